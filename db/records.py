@@ -1,0 +1,135 @@
+"""What the store hands out: frozen values, one per row, units in the names."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+AgentPlace = Literal["server", "onboard"]
+SilencePolicy = Literal["hold", "go_on", "return"]
+VictimStatus = Literal["suspected", "confirmed", "reached", "extricated", "dismissed"]
+AnnotationKind = Literal["note", "hazard", "searched", "victim"]
+Severity = Literal["info", "warning", "alarm"]
+
+
+@dataclass(frozen=True, slots=True)
+class MissionRecord:
+    """A mission: one place, one team of robots, one map."""
+
+    mission_id: str
+    name: str
+    state: str
+    created_unix_s: float
+    stopped_all: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class StartPoseRecord:
+    """Where a surveyed robot started, in the world frame, and how well that is known."""
+
+    x_m: float
+    y_m: float
+    yaw_rad: float
+    sd_m: float
+    sd_rad: float
+
+
+@dataclass(frozen=True, slots=True)
+class RobotRecord:
+    """A robot as it registered; ``config`` is the encoded ``AgentConfig``."""
+
+    mission_id: str
+    robot_id: str
+    agent: AgentPlace
+    silence_after_s: float
+    silence_policy: SilencePolicy
+    start_pose: StartPoseRecord | None
+    config: bytes
+    stopped: bool
+    registered_unix_s: float
+
+    def registration(self) -> tuple[object, ...]:
+        """Return what a robot that registers again has to repeat."""
+        return (self.agent, self.silence_after_s, self.silence_policy, self.start_pose, self.config)
+
+
+@dataclass(frozen=True, slots=True)
+class ObservationRecord:
+    """One line of the log: ``body`` is the encoded ``Observation``."""
+
+    seq: int
+    stamp_s: float
+    body: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class SnapshotRecord:
+    """An agent's state after observation ``seq``, and its latest commands: (seq, encoded text)."""
+
+    seq: int
+    body: bytes
+    commands: tuple[tuple[int, str], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class PointRecord:
+    """A place in the world frame with its covariance."""
+
+    x_m: float
+    y_m: float
+    var_x: float
+    var_xy: float
+    var_y: float
+
+
+@dataclass(frozen=True, slots=True)
+class TagRecord:
+    """A tag as the team map places it."""
+
+    tag_id: str
+    place: PointRecord
+    sightings: int
+    robots: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class VictimRecord:
+    """A victim: what the team measured, and what people said about it."""
+
+    victim_id: str
+    place: PointRecord
+    confidence: float
+    sightings: int
+    robots: tuple[str, ...]
+    first_seen_s: float
+    last_seen_s: float
+    status: VictimStatus = "suspected"
+    note: str = ""
+    by: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class AnnotationRecord:
+    """Something a person wrote on the map, at a place in the world frame or at a tag."""
+
+    annotation_id: str
+    kind: AnnotationKind
+    text: str
+    x_m: float | None
+    y_m: float | None
+    tag_id: str | None
+    by: str
+    created_unix_s: float
+    changed_unix_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class EventRecord:
+    """Something that happened, for the people who watch."""
+
+    event_id: int
+    unix_s: float
+    kind: str
+    text: str
+    robot_id: str | None
+    severity: Severity

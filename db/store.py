@@ -1,0 +1,37 @@
+"""The store: everything that is written or read, in methods named for what they are for."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from db.engine import Database
+from db.findings import FindingStore
+from db.graphs import GraphStore
+from db.log import LogStore
+from db.missions import MissionStore
+from db.tags import TagStore
+
+
+class Store:
+    """One database, by subject: ``missions`` (and robots), ``log``, ``graphs``, ``tags``, ``findings``."""
+
+    def __init__(self, database: Database) -> None:
+        self._database = database
+        self.missions = MissionStore(database)
+        self.log = LogStore(database)
+        self.graphs = GraphStore(database)
+        self.tags = TagStore(database)
+        self.findings = FindingStore(database)
+
+    @classmethod
+    async def open(cls, target: str | Path) -> Store:
+        """Open or create the database; see ``Database.open``.
+
+        Raises:
+            DatabaseError: the database cannot be used; the message says why and what to do.
+        """
+        return cls(await Database.open(target))
+
+    async def close(self) -> None:
+        """Finish every accepted write and let go of the database."""
+        await self._database.close()

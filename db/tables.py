@@ -1,0 +1,200 @@
+"""The tables, in SQLAlchemy Core: SI units and radians, units in the names, times of day in Unix seconds."""
+
+from sqlalchemy import (
+    JSON,
+    BigInteger,
+    Boolean,
+    Column,
+    Float,
+    ForeignKeyConstraint,
+    Index,
+    Integer,
+    LargeBinary,
+    MetaData,
+    String,
+    Table,
+    Text,
+)
+
+metadata = MetaData(
+    naming_convention={
+        "pk": "pk_%(table_name)s",
+        "fk": "fk_%(table_name)s_%(referred_table_name)s",
+        "ix": "ix_%(table_name)s_%(column_0_name)s",
+    }
+)
+
+ID = String(100)
+NUMBER = BigInteger().with_variant(Integer(), "sqlite")
+
+
+def _of_mission() -> ForeignKeyConstraint:
+    return ForeignKeyConstraint(["mission_id"], ["missions.mission_id"])
+
+
+def _of_robot() -> ForeignKeyConstraint:
+    return ForeignKeyConstraint(["mission_id", "robot_id"], ["robots.mission_id", "robots.robot_id"])
+
+
+missions = Table(
+    "missions",
+    metadata,
+    Column("mission_id", ID, primary_key=True),
+    Column("name", Text, nullable=False),
+    Column("state", String(20), nullable=False),
+    Column("created_unix_s", Float, nullable=False),
+    Column("stopped_all", Boolean, nullable=False),
+)
+
+robots = Table(
+    "robots",
+    metadata,
+    Column("mission_id", ID, primary_key=True),
+    Column("robot_id", ID, primary_key=True),
+    Column("agent", String(20), nullable=False),  # server | onboard
+    Column("silence_after_s", Float, nullable=False),
+    Column("silence_policy", String(20), nullable=False),
+    Column("start_x_m", Float),
+    Column("start_y_m", Float),
+    Column("start_yaw_rad", Float),
+    Column("start_sd_m", Float),
+    Column("start_sd_rad", Float),
+    Column("config", LargeBinary, nullable=False),  # robots.codec of AgentConfig
+    Column("stopped", Boolean, nullable=False),
+    Column("registered_unix_s", Float, nullable=False),
+    _of_mission(),
+)
+
+observations = Table(
+    "observations",
+    metadata,
+    Column("mission_id", ID, primary_key=True),
+    Column("robot_id", ID, primary_key=True),
+    Column("seq", NUMBER, primary_key=True, autoincrement=False),
+    Column("stamp_s", Float, nullable=False),
+    Column("body", LargeBinary, nullable=False),  # robots.codec of Observation
+    Column("fault", Text),  # why the agent could not take it; it is left out when the log is replayed
+    _of_robot(),
+)
+
+agent_snapshots = Table(
+    "agent_snapshots",
+    metadata,
+    Column("mission_id", ID, primary_key=True),
+    Column("robot_id", ID, primary_key=True),
+    Column("seq", NUMBER, nullable=False),  # of the last observation that is in it
+    Column("body", LargeBinary, nullable=False),
+    Column("commands", JSON, nullable=False),  # the latest commands, for robots that ask again
+    _of_robot(),
+)
+
+tags = Table(
+    "tags",
+    metadata,
+    Column("mission_id", ID, primary_key=True),
+    Column("tag_id", ID, primary_key=True),
+    Column("x_m", Float, nullable=False),
+    Column("y_m", Float, nullable=False),
+    Column("var_x", Float, nullable=False),
+    Column("var_xy", Float, nullable=False),
+    Column("var_y", Float, nullable=False),
+    Column("sightings", Integer, nullable=False),
+    Column("robots", JSON, nullable=False),
+    _of_mission(),
+)
+
+tag_memories = Table(
+    "tag_memories",
+    metadata,
+    Column("mission_id", ID, primary_key=True),
+    Column("tag_id", ID, primary_key=True),
+    Column("version", Integer, primary_key=True, autoincrement=False),
+    Column("memory", LargeBinary, nullable=False),
+    Column("written_unix_s", Float, nullable=False),
+    Column("by", String(200), nullable=False),
+    _of_mission(),
+)
+
+graph_vertices = Table(
+    "graph_vertices",
+    metadata,
+    Column("mission_id", ID, primary_key=True),
+    Column("robot_id", ID, primary_key=True),
+    Column("kind", String(10), primary_key=True),  # pose | tag
+    Column("number", Integer, primary_key=True, autoincrement=False),
+    Column("tag_id", ID),
+    Column("x_m", Float, nullable=False),  # in the robot's map frame
+    Column("y_m", Float, nullable=False),
+    Column("yaw_rad", Float),
+    Column("stamp_s", Float),
+    Column("imu_yaw_rad", Float),
+    _of_robot(),
+)
+
+graph_edges = Table(
+    "graph_edges",
+    metadata,
+    Column("mission_id", ID, primary_key=True),
+    Column("robot_id", ID, primary_key=True),
+    Column("kind", String(10), primary_key=True),  # displacement (pose to pose) | sighting (pose to tag)
+    Column("number", Integer, primary_key=True, autoincrement=False),
+    Column("from_number", Integer, nullable=False),
+    Column("to_number", Integer, nullable=False),
+    Column("x_m", Float, nullable=False),  # in the frame of the first pose
+    Column("y_m", Float, nullable=False),
+    Column("yaw_rad", Float),
+    Column("covariance", JSON, nullable=False),  # rows of a 3 x 3 or 2 x 2 matrix, one after the other
+    _of_robot(),
+)
+
+victims = Table(
+    "victims",
+    metadata,
+    Column("mission_id", ID, primary_key=True),
+    Column("victim_id", ID, primary_key=True),
+    Column("x_m", Float, nullable=False),
+    Column("y_m", Float, nullable=False),
+    Column("var_x", Float, nullable=False),
+    Column("var_xy", Float, nullable=False),
+    Column("var_y", Float, nullable=False),
+    Column("confidence", Float, nullable=False),
+    Column("sightings", Integer, nullable=False),
+    Column("robots", JSON, nullable=False),
+    Column("first_seen_s", Float, nullable=False),
+    Column("last_seen_s", Float, nullable=False),
+    Column("status", String(20), nullable=False),
+    Column("note", Text, nullable=False),
+    Column("by", String(200), nullable=False),
+    _of_mission(),
+)
+
+annotations = Table(
+    "annotations",
+    metadata,
+    Column("mission_id", ID, primary_key=True),
+    Column("annotation_id", String(36), primary_key=True),
+    Column("kind", String(20), nullable=False),
+    Column("text", Text, nullable=False),
+    Column("x_m", Float),
+    Column("y_m", Float),
+    Column("tag_id", ID),
+    Column("by", String(200), nullable=False),
+    Column("created_unix_s", Float, nullable=False),
+    Column("changed_unix_s", Float, nullable=False),
+    Column("deleted", Boolean, nullable=False),
+    _of_mission(),
+)
+
+events = Table(
+    "events",
+    metadata,
+    Column("event_id", NUMBER, primary_key=True, autoincrement=True),
+    Column("mission_id", ID, nullable=False),
+    Column("unix_s", Float, nullable=False),
+    Column("kind", String(40), nullable=False),
+    Column("text", Text, nullable=False),
+    Column("robot_id", ID),
+    Column("severity", String(10), nullable=False),
+    _of_mission(),
+    Index("ix_events_mission_id", "mission_id", "event_id"),
+)

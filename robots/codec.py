@@ -1,0 +1,83 @@
+"""Values of ``robots.types`` to bytes and back, exactly: for the observation log, agent processes and snapshots.
+
+JSON with a class name beside each dataclass and arrays as base64 of their little-endian bytes, so floats survive bit
+for bit. Only the classes listed here are ever built, whatever the bytes say.
+"""
+
+from __future__ import annotations
+
+import base64
+import json
+from dataclasses import fields, is_dataclass
+from typing import Any, TypeVar
+
+import numpy as np
+
+from robots import config, se2, types
+
+T = TypeVar("T")
+
+_CLASSES: dict[str, type[Any]] = {
+    cls.__name__: cls
+    for module in (se2, types, config)
+    for cls in vars(module).values()
+    if isinstance(cls, type) and is_dataclass(cls) and cls.__module__ == module.__name__
+}
+_DTYPES = {"f8": "<f8", "f4": "<f4", "i8": "<i8", "i4": "<i4", "i1": "|i1", "u1": "|u1"}
+
+
+class CodecError(ValueError):
+    """The bytes are not what this codec wrote."""
+
+
+def encode(value: object) -> bytes:
+    """Return the bytes of a dataclass of ``robots.types``, ``robots.se2`` or ``robots.config``."""
+    return json.dumps(_plain(value), separators=(",", ":")).encode()
+
+
+def decode(data: bytes, expected: type[T]) -> T:
+    """Return the value that ``encode`` turned into ``data``.
+
+    Raises:
+        CodecError: the bytes are damaged, or hold another class than ``expected``.
+    """
+    try:
+        value = _rich(json.loads(data))
+    except (ValueError, KeyError, TypeError) as error:
+        raise CodecError(f"not a stored {expected.__name__}: {error}") from error
+    if not isinstance(value, expected):
+        raise CodecError(f"expected a stored {expected.__name__}, found a {type(value).__name__}")
+    return value
+
+
+def _plain(value: object) -> Any:
+    if value is None or isinstance(value, str | bool | int | float):
+        return value
+    if isinstance(value, bytes):
+        return {"b": base64.b64encode(value).decode()}
+    if isinstance(value, np.ndarray):
+        kind = value.dtype.kind + str(value.dtype.itemsize)
+        data = np.ascontiguousarray(value).astype(_DTYPES[kind], copy=False).tobytes()
+        return {"a": kind, "s": list(value.shape), "b": base64.b64encode(data).decode()}
+    if isinstance(value, tuple | list):
+        return [_plain(item) for item in value]
+    if is_dataclass(value):
+        plain = {"_": type(value).__name__}
+        for item in fields(value):
+            plain[item.name] = _plain(getattr(value, item.name))
+        return plain
+    raise TypeError(f"cannot store a {type(value).__name__}")
+
+
+def _rich(plain: Any) -> Any:
+    if isinstance(plain, list):
+        return tuple(_rich(item) for item in plain)
+    if not isinstance(plain, dict):
+        return plain
+    if "a" in plain:
+        data = base64.b64decode(plain["b"], validate=True)
+        return np.frombuffer(data, dtype=_DTYPES[plain["a"]]).reshape(plain["s"]).copy()
+    if "_" not in plain:
+        return base64.b64decode(plain["b"], validate=True)
+    cls = _CLASSES[plain.pop("_")]
+    return cls(**{name: _rich(item) for name, item in plain.items()})

@@ -1,0 +1,190 @@
+"""Settings of an agent: nested, SI units, defaults that work; derived values are properties beside what they derive from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, fields, is_dataclass, replace
+from math import isfinite, radians
+from typing import Any, Literal, TypeVar
+
+C = TypeVar("C")
+
+
+class ConfigError(ValueError):
+    """A setting is unknown, of the wrong type or out of range; the message names it."""
+
+
+@dataclass(frozen=True, slots=True)
+class BodyConfig:
+    """The robot's shape and what it can do."""
+
+    radius_m: float = 0.22
+    track_width_m: float = 0.40
+    max_speed_mps: float = 0.5
+    max_turn_radps: float = radians(90.0)
+
+
+@dataclass(frozen=True, slots=True)
+class AntennaConfig:
+    """The tag reader under the robot: a plate along and across the heading, or a disc where ``radius_m`` is given."""
+
+    ahead_m: float = 0.0  # centre of the antenna, ahead of the base
+    along_m: float = 0.03
+    across_m: float = 0.20
+    radius_m: float | None = None
+
+    @property
+    def variances(self) -> tuple[float, float]:
+        """Variance along and across the heading of a tag somewhere under the antenna, uniformly (DESIGN: footprint)."""
+        if self.radius_m is not None:
+            return self.radius_m**2 / 4.0, self.radius_m**2 / 4.0
+        return self.along_m**2 / 12.0, self.across_m**2 / 12.0
+
+
+@dataclass(frozen=True, slots=True)
+class OdometryConfig:
+    """Noise of the wheels (Kleiner 2006 Sigma_u): standard deviations that grow with the square root of the motion."""
+
+    distance_sd_per_sqrt_m: float = 0.10
+    turn_sd_per_sqrt_m: float = 0.05
+    turn_sd_per_sqrt_rad: float = 0.08
+    slip_sd_m: float = 0.10  # of the distance while the wheels slip
+    lateral_sd_per_sqrt_m: float = 0.02
+
+
+@dataclass(frozen=True, slots=True)
+class ImuConfig:
+    """Noise of the heading from the inertial unit."""
+
+    yaw_sd_rad: float = radians(1.0)
+    yaw_drift_sd_rad: float = radians(0.1)  # of a difference over a short time
+
+
+@dataclass(frozen=True, slots=True)
+class ScanMatchConfig:
+    """Matching a scan against a local map of the most recent scans."""
+
+    local_scans: int = 25
+    insert_after_m: float = 0.25
+    insert_after_rad: float = radians(15.0)
+    max_far_fraction: float = 0.82  # Kleiner 2006 theta, as a fraction of the beams
+    max_range_m: float = 30.0
+    min_points: int = 20
+    max_correction_m: float = 0.6
+    max_correction_rad: float = radians(25.0)
+    point_sd_m: float = 0.03
+    min_overlap: float = 0.45
+    map_sd_m: float = 0.01  # error of the local map itself, over about a metre of driving
+    map_sd_rad: float = radians(0.25)
+
+
+@dataclass(frozen=True, slots=True)
+class MappingConfig:
+    """Occupancy grids."""
+
+    resolution_m: float = 0.05
+    max_range_m: float = 12.0
+    hit_logodds: int = 9  # tenths
+    miss_logodds: int = 4
+    limit_logodds: int = 40
+    submap_travel_m: float = 12.0  # a new anchor at the latest after so much driving without a tag
+    report_every_s: float = 1.0
+
+    @property
+    def occupied_logodds(self) -> int:
+        """Log-odds in tenths from which a cell counts as occupied (p > 0.65)."""
+        return 7
+
+
+@dataclass(frozen=True, slots=True)
+class GraphConfig:
+    """The tag graph."""
+
+    method: Literal["gauss-newton", "linear"] = "gauss-newton"
+    max_iterations: int = 20
+    tag_kernel_sd: float = 3.0  # residuals of a tag beyond so many deviations lose weight (Huber)
+
+
+@dataclass(frozen=True, slots=True)
+class DeploymentConfig:
+    """Dropping tags (Kleiner 2006 section III)."""
+
+    magazine: int = 100
+    spacing_m: float = 4.0
+    side_window_m: float = 1.5
+    rate_per_m: float = 1.2  # expected drops per metre where tags are wanted most
+
+
+@dataclass(frozen=True, slots=True)
+class VictimConfig:
+    """Turning heat readings into victims."""
+
+    range_sd_m: float = 0.3
+    bearing_sd_rad: float = radians(6.0)
+    same_within_m: float = 1.2  # readings this near to a victim are of it
+    min_sightings: int = 3  # a lone false alarm is not a victim
+
+
+@dataclass(frozen=True, slots=True)
+class PlanningConfig:
+    """Where to go and how."""
+
+    cell_m: float = 0.10
+    clearance_m: float = 0.08
+    comfort_m: float = 0.45
+    replan_every_s: float = 1.0
+    explore: str = "nearest"
+    min_frontier_m: float = 0.5
+    stuck_after_s: float = 6.0
+
+
+@dataclass(frozen=True, slots=True)
+class AgentConfig:
+    """Everything an agent is told before its first observation. The same config, seed and log give the same updates."""
+
+    body: BodyConfig = field(default_factory=BodyConfig)
+    antenna: AntennaConfig = field(default_factory=AntennaConfig)
+    odometry: OdometryConfig = field(default_factory=OdometryConfig)
+    imu: ImuConfig = field(default_factory=ImuConfig)
+    scan_match: ScanMatchConfig = field(default_factory=ScanMatchConfig)
+    mapping: MappingConfig = field(default_factory=MappingConfig)
+    graph: GraphConfig = field(default_factory=GraphConfig)
+    deployment: DeploymentConfig = field(default_factory=DeploymentConfig)
+    victims: VictimConfig = field(default_factory=VictimConfig)
+    planning: PlanningConfig = field(default_factory=PlanningConfig)
+    poses: Literal["slam", "truth"] = "slam"  # "truth": odometry is exact; nothing is estimated (experiments)
+    seed: int = 0
+
+
+def override(config: C, changes: dict[str, Any], where: str = "config") -> C:
+    """Return the config with nested changes applied, as in ``{"body": {"radius_m": 0.3}}``.
+
+    Raises:
+        ConfigError: a name is unknown or a value has the wrong type; the message names it.
+    """
+    known = {item.name: getattr(config, item.name) for item in fields(config)}  # type: ignore[arg-type]
+    new: dict[str, Any] = {}
+    for name, value in changes.items():
+        if name not in known:
+            raise ConfigError(f"{where}.{name} is no setting; known are {', '.join(known)}")
+        new[name] = _checked(known[name], value, f"{where}.{name}")
+    return replace(config, **new)  # type: ignore[type-var]
+
+
+def _checked(old: Any, value: Any, where: str) -> Any:
+    if is_dataclass(old) and not isinstance(old, type):
+        if not isinstance(value, dict):
+            raise ConfigError(f"{where} has to be an object")
+        return override(old, value, where)
+    if isinstance(old, str):
+        if not isinstance(value, str):
+            raise ConfigError(f"{where} has to be text")
+        return value
+    if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(value):
+        if value is None and old is None:
+            return value
+        raise ConfigError(f"{where} has to be a finite number")
+    if isinstance(old, int):
+        if value != int(value):
+            raise ConfigError(f"{where} has to be a whole number")
+        return int(value)
+    return float(value)

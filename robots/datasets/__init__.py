@@ -1,0 +1,1 @@
+"""Recordings of real robots, one module per format."""

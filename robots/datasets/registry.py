@@ -1,0 +1,22 @@
+"""The formats there are, by the name the command line has for them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from robots.datasets import intel
+from robots.datasets.recording import Recording, RecordingError
+
+DATASETS: dict[str, Callable[[Path, float | None], Recording]] = {"intel": intel.load}
+
+
+def load(dataset: str, path: Path, virtual_tags_m: float | None = None) -> Recording:
+    """Read a recording, with a virtual tag on its reference path every ``virtual_tags_m`` if given.
+
+    Raises:
+        RecordingError: the format is unknown, or the file is not of it.
+    """
+    if dataset not in DATASETS:
+        raise RecordingError(f"there is no dataset {dataset!r}; known are {', '.join(sorted(DATASETS))}")
+    return DATASETS[dataset](path, virtual_tags_m)

@@ -1,0 +1,1 @@
+"""Where the robot is: odometry, scan matching, their fusion, and the tag graph."""

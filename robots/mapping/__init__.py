@@ -1,0 +1,1 @@
+"""Occupancy grids: submaps anchored to poses, and their fusion into one map."""

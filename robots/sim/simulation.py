@@ -1,0 +1,211 @@
+"""A scenario at work: bodies, sensors, tags and victims in one world, advanced by control periods.
+
+A period is a few odometry ticks; every tick yields one Observation per robot, the last of a period carries
+the laser. Each robot and each of its sensors has a random stream of its own, so that robots do not disturb
+one another's.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from robots.se2 import Array, Pose2
+from robots.sim.body import Bodies, Motion
+from robots.sim.scenario import ODOMETRY_HZ, ScenarioConfig, build_world
+from robots.sim.sensors import Laser, Ring, ThermalCamera, others_near
+from robots.sim.starts import Victim, place_robots, place_victims
+from robots.sim.tags import BASE_TAG, Magazine, Reader, TagField
+from robots.sim.wheels import Imu, Wheels
+from robots.sim.world import Cells, World
+from robots.types import (
+    Command,
+    Displacement,
+    HeatReading,
+    LaserScan,
+    Observation,
+    Odometry,
+    RangeReading,
+)
+
+_IDLE_LIFE_S = 7200.0  # a battery lasts so long standing still,
+_DRIVE_LIFE_M = 2500.0  # or so far driving
+_STREAMS = 5
+
+
+@dataclass(frozen=True, slots=True)
+class Order:
+    """What a robot is told for one control period.
+
+    ``held`` (STOP, or radio silence) overrides the command's motion.
+    """
+
+    command: Command = field(default_factory=Command)
+    held: bool = False
+
+
+class _Robot:
+    """What one robot carries."""
+
+    def __init__(
+        self, config: ScenarioConfig, world: World, index: int, magazine: int, track_m: float
+    ) -> None:
+        robot_id = config.robot_ids[index]
+        exact = config.poses == "truth"
+        streams = [np.random.default_rng([config.seed, 10 + stream, index]) for stream in range(_STREAMS)]
+        self.wheels = Wheels(0 if exact else config.noise_level, track_m, streams[0])
+        self.imu = Imu(world, exact, streams[1]) if config.imu else None
+        self.laser = Laser(world, config.laser, streams[2])
+        self.camera = ThermalCamera(world, config.heat, streams[3])
+        self.ring = Ring(world, config.sonars, config.infrareds, streams[4])
+        self.magazine = Magazine(robot_id, magazine)
+        self.reader = Reader()
+        self.battery = 1.0
+        self.driven_m = 0.0
+        self.order = Order()
+        self.seq = 0
+
+
+class Simulation:
+    """A scenario being played. ``apply`` orders, then ``advance`` one period.
+
+    ``seen`` marks what the lasers truly saw.
+    """
+
+    def __init__(self, config: ScenarioConfig) -> None:
+        """Build the world and put everything in its place. Raises WorldError or ScenarioError."""
+        self.config = config
+        self.world = build_world(config)
+        body = config.agent_for.body
+        self._radius_m = body.radius_m
+        self._antenna_ahead_m = config.agent_for.antenna.ahead_m
+        starts = place_robots(
+            self.world, config.robots, body.radius_m, config.start, np.random.default_rng([config.seed, 3])
+        )
+        self.starts = tuple(Pose2.from_array(row) for row in starts)
+        self.victims: tuple[Victim, ...] = place_victims(
+            self.world, config.victims, body.radius_m, starts[:, :2], np.random.default_rng([config.seed, 4])
+        )
+        self._victims_m = np.array([(victim.x_m, victim.y_m) for victim in self.victims]).reshape(-1, 2)
+        self.bodies = Bodies(self.world, starts, body, config.agent_for.antenna)
+        self.tags = TagField(config.tag_bits)
+        if config.base_tag:
+            self.tags.drop(BASE_TAG, *self._antenna(0))
+        magazine = config.agent_for.deployment.magazine
+        self._robots = [
+            _Robot(config, self.world, index, magazine, body.track_width_m) for index in range(config.robots)
+        ]
+        self.seen: Cells = np.zeros_like(self.world.cells)
+        self.track: list[Array] = []  # true poses, (n, 3), at each tick
+
+    @property
+    def ticks(self) -> int:
+        """Odometry ticks played so far."""
+        return len(self.track)
+
+    @property
+    def clock_s(self) -> float:
+        """Time since the start of the mission in seconds."""
+        return self.ticks / ODOMETRY_HZ
+
+    @cached_property
+    def index(self) -> Mapping[str, int]:
+        """Position of each robot id in the team."""
+        return {robot_id: index for index, robot_id in enumerate(self.config.robot_ids)}
+
+    def truth(self, robot_id: str) -> Pose2:
+        """Return a robot's true pose in the world frame."""
+        return self.bodies.pose(self.index[robot_id])
+
+    def world_from_map(self, robot_id: str) -> Pose2:
+        """Return where the map frame of a robot lies: at its start, north up where an IMU knows north."""
+        start = self.starts[self.index[robot_id]]
+        return Pose2(start.x, start.y, 0.0) if self.config.imu else start
+
+    def driven_m(self, robot_id: str) -> float:
+        """Return the true distance a robot has driven."""
+        return self._robots[self.index[robot_id]].driven_m
+
+    def apply(self, orders: Mapping[str, Order]) -> None:
+        """Take the orders for the next period: writes and drops happen now, in the order of the team."""
+        for index, robot_id in enumerate(self.config.robot_ids):
+            order = orders.get(robot_id)
+            if order is None:
+                continue
+            robot = self._robots[index]
+            robot.order = order
+            x, y = self._antenna(index)
+            for write in order.command.writes:
+                self.tags.write(write.tag_id, write.memory, x, y)
+            if order.command.drop_tag and not order.held:
+                tag_id = robot.magazine.take()
+                if tag_id is not None:
+                    self.tags.drop(tag_id, x, y)
+
+    def advance(self) -> dict[str, tuple[Observation, ...]]:
+        """Play one control period under the orders applied and return each robot's observations of it."""
+        batches: list[list[Observation]] = [[] for _ in self._robots]
+        for tick in range(self.config.ticks_per_period):
+            before = [self.bodies.pose(index) for index in range(len(self._robots))]
+            motion = self.bodies.tick(self._velocities(), self.tags.places_m, 1.0 / ODOMETRY_HZ)
+            self.track.append(self.bodies.poses.copy())
+            with_scan = tick == self.config.ticks_per_period - 1
+            for index, batch in enumerate(batches):
+                batch.append(self._observe(index, before[index], motion, with_scan))
+        return {
+            robot_id: tuple(batch) for robot_id, batch in zip(self.config.robot_ids, batches, strict=True)
+        }
+
+    def _velocities(self) -> Array:
+        """Return the commanded velocities, (n, 2); nothing moves when held or without power."""
+        return np.array(
+            [
+                (0.0, 0.0)
+                if robot.order.held or robot.battery <= 0.0
+                else (robot.order.command.linear_mps, robot.order.command.angular_radps)
+                for robot in self._robots
+            ]
+        )
+
+    def _observe(self, index: int, before: Pose2, motion: Motion, with_scan: bool) -> Observation:
+        robot, pose = self._robots[index], self.bodies.pose(index)
+        dt_s = 1.0 / ODOMETRY_HZ
+        driven = float(motion.driven_m[index])
+        robot.driven_m += driven
+        robot.battery = max(0.0, robot.battery - dt_s / _IDLE_LIFE_S - driven / _DRIVE_LIFE_M)
+        speed, turn = float(motion.speeds[index, 0]), float(motion.speeds[index, 1])
+        odometry: Odometry = robot.wheels.read(speed, turn, dt_s, float(motion.grip[index]))
+        if self.config.poses == "truth":
+            moved = before.between(pose)
+            odometry = Displacement(moved.x, moved.y, moved.theta)
+        seq, robot.seq = robot.seq, robot.seq + 1
+        scan: LaserScan | None = None
+        beams: tuple[RangeReading, ...] = ()
+        heat: tuple[HeatReading, ...] = ()
+        if with_scan:
+            reach = self.config.laser.range_max_m + self._radius_m
+            others = others_near(self.bodies.poses, index, reach)
+            scan = robot.laser.scan(pose, others, self._radius_m, self.seen)
+            beams = robot.ring.read(pose, others, self._radius_m)
+            heat = robot.camera.look(pose, self._victims_m, self.config.period_s)
+        return Observation(
+            seq=seq,
+            stamp_s=self.clock_s,
+            odometry=odometry,
+            imu=robot.imu.read(pose.x, pose.y, pose.theta, dt_s) if robot.imu is not None else None,
+            scan=scan,
+            beams=beams,
+            tag_sightings=robot.reader.sightings(self.tags, motion.read[index], self.clock_s),
+            heat=heat,
+            battery=robot.battery,
+            tags_left=robot.magazine.left,
+            bumper=bool(motion.pressed[index]),
+            held=robot.order.held,
+        )
+
+    def _antenna(self, index: int) -> tuple[float, float]:
+        """Return where the middle of a robot's antenna is over the floor, in the world frame."""
+        return self.bodies.pose(index).transform_point(self._antenna_ahead_m, 0.0)

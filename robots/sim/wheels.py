@@ -1,0 +1,104 @@
+"""What the four encoders and the inertial unit tell of the true motion.
+
+Encoders, per observation and wheel i that rolled r metres in truth:
+    reading = r * (1 + G + g_i) + sqrt(|r|) * (C + c_i) + spin
+G, g_i: gains drawn once per run (normal; G shared by the four wheels); C, c_i: normal each time, so that
+the sum over a path is a random walk growing with sqrt(distance). The shared parts spoil the distance, the
+wheels' own parts the heading. At level 3 distance is off by about 10 % and heading by about 6 degrees over a
+metre. On a slippery floor the wheels roll as commanded while the body moves less, and each spins by its own
+amount on top.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import atan, cos, exp, radians, sin, sqrt
+
+import numpy as np
+
+from robots.se2 import wrap
+from robots.sim.world import World
+from robots.types import ImuReading, WheelEncoders
+
+
+@dataclass(frozen=True, slots=True)
+class NoiseLevel:
+    """Standard deviations of the encoder model: gains are ratios, walks metres per square root of a metre."""
+
+    shared_gain: float
+    wheel_gain: float
+    shared_walk: float
+    wheel_walk: float
+
+
+NOISE_LEVELS = (
+    NoiseLevel(0.0, 0.0, 0.0, 0.0),
+    NoiseLevel(0.01, 0.005, 0.02, 0.005),
+    NoiseLevel(0.03, 0.015, 0.05, 0.015),
+    NoiseLevel(0.05, 0.03, 0.09, 0.03),
+    NoiseLevel(0.08, 0.06, 0.15, 0.06),
+    NoiseLevel(0.12, 0.12, 0.30, 0.12),
+)
+
+_SPIN = 0.6  # standard deviation of a wheel's extra spin, as a share of what the floor takes away
+
+
+class Wheels:
+    """The encoders of one robot."""
+
+    def __init__(self, level: int, track_width_m: float, rng: np.random.Generator) -> None:
+        self._noise = NOISE_LEVELS[level]
+        self._track_m = track_width_m
+        self._rng = rng
+        gains = rng.standard_normal(5)
+        self._gains = 1.0 + self._noise.shared_gain * gains[0] + self._noise.wheel_gain * gains[1:]
+
+    def read(self, speed_mps: float, turn_radps: float, dt_s: float, grip: float) -> WheelEncoders:
+        """Return the encoders after a tick in which the wheels ran at this speed and turn rate."""
+        z = self._rng.standard_normal(9)
+        aside = turn_radps * self._track_m / 2.0
+        readings = []
+        for wheel, side in enumerate((-1.0, 1.0, -1.0, 1.0)):
+            rolled = (speed_mps + side * aside) * dt_s
+            walk = self._noise.shared_walk * z[0] + self._noise.wheel_walk * z[1 + wheel]
+            spin = abs(z[5 + wheel]) * _SPIN * (1.0 - grip) * rolled
+            readings.append(float(rolled * self._gains[wheel] + sqrt(abs(rolled)) * walk + spin))
+        return WheelEncoders(*readings)
+
+
+_BIAS_SD_RAD = radians(1.0)
+_BIAS_LIMIT_RAD = radians(3.0)
+_BIAS_TIME_S = 120.0
+_WHITE_SD_RAD = radians(0.2)
+
+
+class Imu:
+    """An inertial unit: yaw with a slow bounded bias (Ornstein-Uhlenbeck) and white noise, roll, pitch."""
+
+    def __init__(self, world: World, exact: bool, rng: np.random.Generator) -> None:
+        self._world = world
+        self._scale = 0.0 if exact else 1.0
+        self._rng = rng
+        self._bias_rad = _BIAS_SD_RAD * float(rng.standard_normal())
+
+    def read(self, x_m: float, y_m: float, theta_rad: float, dt_s: float) -> ImuReading:
+        """Return the reading at a true pose, ``dt_s`` after the one before."""
+        z = self._rng.standard_normal(4)
+        keep = exp(-dt_s / _BIAS_TIME_S)
+        bias = keep * self._bias_rad + _BIAS_SD_RAD * sqrt(1.0 - keep * keep) * float(z[0])
+        self._bias_rad = min(max(bias, -_BIAS_LIMIT_RAD), _BIAS_LIMIT_RAD)
+        white = self._scale * _WHITE_SD_RAD
+        roll, pitch = self._tilt(x_m, y_m, theta_rad)
+        return ImuReading(
+            wrap(theta_rad + self._scale * self._bias_rad + white * float(z[1])),
+            roll + white * float(z[2]),
+            pitch + white * float(z[3]),
+        )
+
+    def _tilt(self, x_m: float, y_m: float, theta_rad: float) -> tuple[float, float]:
+        """Return roll (positive with the left side up) and pitch (positive with the nose down)."""
+        if self._world.slope is None:
+            return 0.0, 0.0
+        by_x, by_y = self._world.slope[self._world.cell(x_m, y_m)]
+        c, s = cos(theta_rad), sin(theta_rad)
+        return atan(float(-s * by_x + c * by_y)), -atan(float(c * by_x + s * by_y))

@@ -1,0 +1,1 @@
+"""Tags: what their memory holds, and where to leave them."""

@@ -1,0 +1,80 @@
+"""When to drop a tag (Kleiner 2006 section III).
+
+"The dropping of a tag occurs with higher probability if the tag density is low and the obstacle density on the left and right hand side of the
+robot is high": doors and corridors, where someone will pass again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from math import cos, exp, floor, sin
+
+import numpy as np
+
+from robots.config import DeploymentConfig, MappingConfig
+from robots.mapping.fused import FusedGrid
+from robots.se2 import Pose2
+
+_OPEN_SHARE = 0.12  # of the full rate, in the open
+
+
+def tag_density(x: float, y: float, tags: Iterable[tuple[float, float]], spacing_m: float) -> float:
+    """Return the density of tags round a point, 1 at a tag, falling to 0.14 at the wanted spacing."""
+    return sum(exp(-2.0 * ((x - tx) ** 2 + (y - ty) ** 2) / spacing_m**2) for tx, ty in tags)
+
+
+def side_density(pose: Pose2, fused: FusedGrid, window_m: float, occupied: int) -> float:
+    """Return the obstacle density left and right of the robot, 0..1: the product of the shares of blocked side rays."""
+    shares = []
+    origin_x, origin_y = fused.origin
+    rows, columns = fused.cells.shape
+    for side in (1.0, -1.0):
+        blocked = 0
+        for ahead in (-0.2, -0.1, 0.0, 0.1, 0.2):
+            for across in np.arange(0.2, window_m, fused.resolution_m):
+                x = pose.x + ahead * cos(pose.theta) - side * across * sin(pose.theta)
+                y = pose.y + ahead * sin(pose.theta) + side * across * cos(pose.theta)
+                row = floor((y - origin_y) / fused.resolution_m)
+                column = floor((x - origin_x) / fused.resolution_m)
+                if 0 <= row < rows and 0 <= column < columns and fused.cells[row, column] >= occupied:
+                    blocked += 1
+                    break
+        shares.append(blocked / 5.0)
+    return float(shares[0] * shares[1])
+
+
+class TagDropper:
+    """Decides, by a seeded draw for every bit of way, whether to drop a tag; counts the magazine."""
+
+    def __init__(self, config: DeploymentConfig, mapping: MappingConfig, seed: int) -> None:
+        self._config = config
+        self._mapping = mapping
+        self._rng = np.random.default_rng(seed)
+        self._distance_m = 0.0
+        self._waiting_until_m = 0.0
+        self.left = config.magazine
+
+    def should_drop(
+        self, distance_m: float, pose: Pose2, fused: FusedGrid, tags: Iterable[tuple[float, float]]
+    ) -> bool:
+        """Say whether to drop a tag here; ``distance_m`` is the way driven so far."""
+        moved = distance_m - self._distance_m
+        if moved < 0.1 or self.left <= 0 or not fused.cells.size:
+            return False
+        self._distance_m = distance_m
+        if distance_m < self._waiting_until_m:
+            return False
+        config = self._config
+        wanted = max(0.0, 1.0 - 2.0 * tag_density(pose.x, pose.y, tags, config.spacing_m))
+        sides = side_density(pose, fused, config.side_window_m, self._mapping.occupied_logodds)
+        rate = config.rate_per_m * wanted * (_OPEN_SHARE + (1.0 - _OPEN_SHARE) * sides)
+        if self._rng.random() >= 1.0 - exp(-rate * moved):
+            return False
+        self.left -= 1
+        self._waiting_until_m = distance_m + 0.5  # until the dropped tag has been read
+        return True
+
+    def magazine(self, tags_left: int | None) -> None:
+        """Take over the count of the magazine from the robot where it counts itself."""
+        if tags_left is not None:
+            self.left = tags_left

@@ -1,0 +1,27 @@
+"""Options that several subcommands share, and the checks of what was given for them."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated
+
+import typer
+
+from server.cli.console import CommandError
+
+JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout and nothing else.")]
+
+
+def finite(name: str, value: float, above: float | None = None, at_least: float | None = None) -> float:
+    """Return the value of an option if it is a number in range.
+
+    Raises:
+        CommandError: it is not; the sentence names the option.
+    """
+    if not math.isfinite(value):
+        raise CommandError(f"{name} has to be a finite number, not {value}")
+    if above is not None and value <= above:
+        raise CommandError(f"{name} has to be greater than {above:g}, not {value:g}")
+    if at_least is not None and value < at_least:
+        raise CommandError(f"{name} has to be {at_least:g} or more, not {value:g}")
+    return value

@@ -1,0 +1,121 @@
+"""Hang the pages and their files into the application: the console, /static, /vendor, the icon and the 3D view."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+
+from fastapi import FastAPI, Request
+from fastapi.responses import HTMLResponse, Response
+from fastapi.staticfiles import StaticFiles
+from starlette.datastructures import Headers
+from starlette.responses import FileResponse
+from starlette.staticfiles import NotModifiedResponse
+from starlette.types import Scope
+
+from web.proxy import ScenePorts, mount_proxy
+
+_HERE = Path(__file__).parent
+STATIC = _HERE / "static"
+NODE_MODULES = _HERE / "node_modules"
+
+# What the pages load from npm packages: address under /vendor -> file under node_modules. Nothing else is served.
+VENDOR_FILES: Mapping[str, str] = {
+    "leaflet/leaflet.js": "leaflet/dist/leaflet.js",
+    "leaflet/leaflet.css": "leaflet/dist/leaflet.css",
+    "preact/preact.module.js": "preact/dist/preact.module.js",
+    "htm/htm.module.js": "htm/dist/htm.module.js",
+}
+
+CONTENT_SECURITY_POLICY = "; ".join(
+    (
+        "default-src 'none'",
+        "script-src 'self'",
+        "style-src 'self'",
+        "img-src 'self' data: blob:",
+        "connect-src 'self'",
+        "frame-src 'self'",
+        "base-uri 'none'",
+        "form-action 'none'",
+        "frame-ancestors 'self'",
+    )
+)
+SECURITY_HEADERS: Mapping[str, str] = {
+    "Content-Security-Policy": CONTENT_SECURITY_POLICY,
+    "X-Content-Type-Options": "nosniff",
+    "Referrer-Policy": "no-referrer",
+    # Own files change with every release and are named without a hash: the browser asks each time, and an ETag
+    # makes the answer a short 304.
+    "Cache-Control": "no-cache",
+}
+
+_MISSING_PAGE = """<!doctype html>
+<html lang="en"><meta charset="utf-8"><title>Waymark: set-up is not complete</title>
+<h1>Set-up is not complete</h1>
+<p>The browser libraries are not installed, so this page cannot be shown.</p>
+<p>Run <code>make setup</code> in the project's folder, then reload. Nothing else is affected: the mission goes on
+and the API answers.</p>
+</html>
+"""
+
+
+class _Files(StaticFiles):
+    """A folder of static files, each answer with the security and cache headers."""
+
+    def file_response(
+        self,
+        full_path: str | os.PathLike[str],
+        stat_result: os.stat_result,
+        scope: Scope,
+        status_code: int = 200,
+    ) -> Response:
+        """Return the file, or 304 when the browser has it already."""
+        return _file_response(full_path, stat_result, Headers(scope=scope), status_code)
+
+
+class _VendorFiles(_Files):
+    """The few files of ``VENDOR_FILES``, found in the folder of installed npm packages."""
+
+    def lookup_path(self, path: str) -> tuple[str, os.stat_result | None]:
+        """Return the installed file behind an address under /vendor; no stat when there is none."""
+        name = VENDOR_FILES.get(path.replace(os.sep, "/"))
+        return super().lookup_path(name) if name else ("", None)
+
+
+def mount_web(app: FastAPI, scenes: ScenePorts | None = None, node_modules: Path = NODE_MODULES) -> None:
+    """Add /, /console, /static, /vendor, /favicon.ico and, given the running 3D scenes, /viser to the application.
+
+    ``scenes`` tells the loopback port of a mission's viser server; ``node_modules`` is where npm put its packages.
+    """
+
+    async def console(request: Request) -> Response:
+        if any(not (node_modules / name).is_file() for name in VENDOR_FILES.values()):
+            return HTMLResponse(_MISSING_PAGE, status_code=503, headers=dict(SECURITY_HEADERS))
+        return _page(request, STATIC / "console" / "index.html")
+
+    async def icon(request: Request) -> Response:
+        return _page(request, STATIC / "logo.svg")
+
+    for address in ("/", "/console"):
+        app.add_api_route(address, console, methods=["GET", "HEAD"], include_in_schema=False)
+    app.add_api_route("/favicon.ico", icon, methods=["GET", "HEAD"], include_in_schema=False)
+    app.mount("/static", _Files(directory=STATIC), name="static")
+    app.mount("/vendor", _VendorFiles(directory=node_modules, check_dir=False), name="vendor")
+    if scenes is not None:
+        mount_proxy(app, scenes)
+
+
+def _page(request: Request, path: Path) -> Response:
+    return _file_response(path, path.stat(), request.headers, 200)
+
+
+def _file_response(
+    path: str | os.PathLike[str], stat_result: os.stat_result, request_headers: Headers, status_code: int
+) -> Response:
+    response = FileResponse(
+        path, status_code=status_code, stat_result=stat_result, headers=dict(SECURITY_HEADERS)
+    )
+    if request_headers.get("if-none-match") == response.headers["etag"]:
+        return NotModifiedResponse(response.headers)
+    return response

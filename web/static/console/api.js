@@ -1,0 +1,64 @@
+/** Requests to the server, every failure as one sentence a person can act on. */
+
+export class ApiError extends Error {
+  /**
+   * @param {string} code short name, as the server gives it
+   * @param {string} message what is wrong and what to do
+   * @param {number} status HTTP status, 0 when nothing came back
+   */
+  constructor(code, message, status) {
+    super(message);
+    this.code = code;
+    this.status = status;
+  }
+}
+
+const TIMEOUT_MS = 5000;
+
+/**
+ * @param {string} method
+ * @param {string} path address under /api/v1
+ * @param {unknown} [body] sent as JSON
+ * @returns {Promise<any>} the answer's JSON
+ */
+export async function request(method, path, body) {
+  const response = await fetchChecked(`/api/v1${path}`, {
+    method,
+    headers: body === undefined ? {} : { "Content-Type": "application/json" },
+    body: body === undefined ? undefined : JSON.stringify(body),
+  });
+  try {
+    return await response.json();
+  } catch {
+    throw new ApiError("bad_answer", "The server's answer could not be read. Reload the page.", response.status);
+  }
+}
+
+/**
+ * @param {string} address
+ * @param {RequestInit} [options]
+ * @returns {Promise<Response>} an answer with a good status
+ */
+export async function fetchChecked(address, options = {}) {
+  let response;
+  try {
+    response = await fetch(address, { ...options, signal: AbortSignal.timeout(TIMEOUT_MS) });
+  } catch {
+    throw new ApiError("unreachable", "The server does not answer.", 0);
+  }
+  if (response.ok) return response;
+  let error = null;
+  try {
+    error = (await response.json()).error;
+  } catch {
+    // The body is no error of ours: the status has to do.
+  }
+  throw new ApiError(
+    String(error?.code ?? "failed"),
+    String(error?.message ?? `The server answered ${response.status}.`),
+    response.status,
+  );
+}
+
+/** @param {string} missionId */
+export const missionPath = (missionId) => `/missions/${encodeURIComponent(missionId)}`;

@@ -1,0 +1,150 @@
+/** The fused map of the building: fetched as a palette PNG, coloured here, laid on the plan cell by cell. */
+
+import { fetchChecked } from "./api.js";
+import { L } from "./vendor.js";
+
+/** @import {MapInfo} from "./types.js" */
+/** @import {Store} from "./store.js" */
+
+const FREE = [35, 49, 67];
+const WALL = [222, 232, 244];
+const SHORTEST_PAUSE_MS = 500;
+
+const CanvasOverlay = L.ImageOverlay.extend({
+  _initImage() {
+    const canvas = this._image;
+    L.DomUtil.addClass(canvas, "leaflet-image-layer");
+    L.DomUtil.addClass(canvas, "building");
+    canvas.onselectstart = L.Util.falseFn;
+    canvas.onmousemove = L.Util.falseFn;
+  },
+});
+
+export class Building {
+  /**
+   * @param {import("leaflet").Map} map
+   * @param {Store} store
+   */
+  constructor(map, store) {
+    this.map = map;
+    this.store = store;
+    this.canvas = document.createElement("canvas");
+    /** @type {any} */
+    this.overlay = null;
+    this.loading = false;
+    this.shownAddress = "";
+    this.loadedAt = 0;
+  }
+
+  /** Bring the overlay to the board's version, at most twice a second. */
+  update() {
+    const { map: info, layers } = this.store;
+    if (!info || !layers.map) {
+      this.overlay?.remove();
+      if (!info) this.overlay = null, this.shownAddress = "";
+      return;
+    }
+    if (this.overlay && !this.map.hasLayer(this.overlay)) this.overlay.addTo(this.map);
+    const address = `${info.png}#${info.version}`;
+    if (this.loading || address === this.shownAddress) return;
+    this.loading = true;
+    const pause_ms = Math.max(0, this.loadedAt + SHORTEST_PAUSE_MS - Date.now());
+    setTimeout(() => this.#load(info, address), pause_ms);
+  }
+
+  /**
+   * @param {MapInfo} info
+   * @param {string} address
+   */
+  async #load(info, address) {
+    try {
+      const bytes = await (await fetchChecked(info.png)).arrayBuffer();
+      const bitmap = await createImageBitmap(new Blob([bytes], { type: "image/png" }));
+      this.#show(bitmap, paletteOf(new Uint8Array(bytes)), info);
+      this.shownAddress = address;
+    } catch (error) {
+      // While the stream is down the veil says so already.
+      if (this.store.connection.state === "live") {
+        this.store.notify(`The building's map could not be loaded: ${/** @type {Error} */ (error).message}`);
+      }
+    } finally {
+      this.loading = false;
+      this.loadedAt = Date.now();
+    }
+    this.store.changed();
+  }
+
+  /**
+   * @param {ImageBitmap} bitmap
+   * @param {number[][]} palette
+   * @param {MapInfo} info as the image was asked for
+   */
+  #show(bitmap, palette, info) {
+    const { canvas } = this;
+    const { width, height } = bitmap;
+    const ctx = /** @type {CanvasRenderingContext2D} */ (
+      new OffscreenCanvas(width, height).getContext("2d", { willReadFrequently: true }));
+    ctx.drawImage(bitmap, 0, 0);
+    const image = ctx.getImageData(0, 0, width, height);
+    const free = paint(image.data, palette);
+    canvas.width = width;
+    canvas.height = height;
+    canvas.getContext("2d")?.putImageData(image, 0, 0);
+    this.store.exploredM2 = free * info.resolution_m ** 2;
+
+    const [x_m, y_m] = info.origin_m;
+    /** @type {[number, number][]} */
+    const bounds = [[y_m, x_m], [y_m + height * info.resolution_m, x_m + width * info.resolution_m]];
+    if (this.overlay) this.overlay.setBounds(L.latLngBounds(bounds));
+    else this.overlay = new /** @type {any} */ (CanvasOverlay)(canvas, bounds, { pane: "building" });
+    this.overlay._image = canvas;
+    if (this.store.layers.map && !this.map.hasLayer(this.overlay)) this.overlay.addTo(this.map);
+  }
+}
+
+/**
+ * Colours of a palette PNG's classes: unknown, free, occupied.
+ * @param {Uint8Array} png
+ * @returns {number[][]}
+ */
+export function paletteOf(png) {
+  const view = new DataView(png.buffer, png.byteOffset, png.byteLength);
+  for (let at = 8; at + 12 <= png.length;) {
+    const length = view.getUint32(at);
+    const name = String.fromCharCode(...png.subarray(at + 4, at + 8));
+    if (name === "PLTE") {
+      return [0, 1, 2].map((entry) => [...png.subarray(at + 8 + 3 * entry, at + 11 + 3 * entry)]);
+    }
+    at += 12 + length;
+  }
+  throw new Error("the image has no palette.");
+}
+
+/**
+ * Give every cell our own colours, by the class its colour stands for; returns how many cells are free.
+ * @param {Uint8ClampedArray} pixels RGBA, changed in place
+ * @param {number[][]} palette
+ */
+export function paint(pixels, palette) {
+  const [, free, occupied] = palette;
+  let count = 0;
+  for (let at = 0; at < pixels.length; at += 4) {
+    if (pixels[at + 3] < 128) continue;
+    const isWall = distance(pixels, at, occupied) < distance(pixels, at, free);
+    const [r, g, b] = isWall ? WALL : FREE;
+    pixels[at] = r;
+    pixels[at + 1] = g;
+    pixels[at + 2] = b;
+    if (!isWall) count += 1;
+  }
+  return count;
+}
+
+/**
+ * @param {Uint8ClampedArray} pixels
+ * @param {number} at
+ * @param {number[]} color
+ */
+function distance(pixels, at, color) {
+  return Math.abs(pixels[at] - color[0]) + Math.abs(pixels[at + 1] - color[1]) + Math.abs(pixels[at + 2] - color[2]);
+}

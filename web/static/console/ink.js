@@ -1,0 +1,219 @@
+/** What is drawn over the building in lines: metre grid, links, trails, plan of the selected robot, tags. */
+
+import { robotColor } from "./color.js";
+import { ellipse } from "./format.js";
+
+/** @import {Store} from "./store.js" */
+/** @import {View} from "./canvas_layer.js" */
+
+const TAG = "#fff3c4";
+const HALO = "rgba(7, 11, 17, 0.85)";
+const LABEL_FROM_PX_PER_M = 16;
+const GRID_STEPS_M = [1, 5, 10, 50, 100, 500];
+
+/**
+ * Lines every 1, 5, 10, ... metres, never closer than 24 pixels.
+ * @param {Store} store
+ */
+export const drawGround = (store) =>
+  /**
+   * @param {CanvasRenderingContext2D} ctx
+   * @param {View} view
+   */
+  (ctx, view) => {
+    if (!store.layers.grid) return;
+    const step_m = GRID_STEPS_M.find((step) => step * view.scale >= 24) ?? 1000;
+    ctx.lineWidth = 1;
+    ctx.strokeStyle = "rgba(148, 175, 205, 0.09)";
+    ctx.beginPath();
+    const left = Math.floor((0 - view.toX(0)) / view.scale / step_m) * step_m;
+    for (let x_m = left; view.toX(x_m) < view.width; x_m += step_m) {
+      const x = Math.round(view.toX(x_m)) + 0.5;
+      ctx.moveTo(x, 0);
+      ctx.lineTo(x, view.height);
+    }
+    const bottom = Math.floor((view.toY(0) - view.height) / view.scale / step_m) * step_m;
+    for (let y_m = bottom; view.toY(y_m) > 0; y_m += step_m) {
+      const y = Math.round(view.toY(y_m)) + 0.5;
+      ctx.moveTo(0, y);
+      ctx.lineTo(view.width, y);
+    }
+    ctx.stroke();
+  };
+
+/** @param {Store} store */
+export const drawInk = (store) =>
+  /**
+   * @param {CanvasRenderingContext2D} ctx
+   * @param {View} view
+   */
+  (ctx, view) => {
+    ctx.lineJoin = ctx.lineCap = "round";
+    if (store.layers.links) drawLinks(ctx, view, store);
+    if (store.layers.trails) drawTrails(ctx, view, store);
+    if (store.layers.plans) drawPlan(ctx, view, store);
+    if (store.layers.tags) drawTags(ctx, view, store);
+  };
+
+/**
+ * @param {CanvasRenderingContext2D} ctx
+ * @param {View} view
+ * @param {Store} store
+ */
+function drawLinks(ctx, view, store) {
+  ctx.strokeStyle = "rgba(255, 243, 196, 0.28)";
+  ctx.lineWidth = 1;
+  ctx.beginPath();
+  for (const [first, second] of store.links) {
+    const a = store.tags.get(first);
+    const b = store.tags.get(second);
+    if (!a || !b) continue;
+    ctx.moveTo(view.toX(a.x_m), view.toY(a.y_m));
+    ctx.lineTo(view.toX(b.x_m), view.toY(b.y_m));
+  }
+  ctx.stroke();
+}
+
+/**
+ * @param {CanvasRenderingContext2D} ctx
+ * @param {View} view
+ * @param {Store} store
+ */
+function drawTrails(ctx, view, store) {
+  for (const trail of store.trails.values()) {
+    const isSelected = store.isSelectedRobot(trail.robot_id);
+    ctx.globalAlpha = isSelected ? 0.95 : store.selected?.kind === "robot" ? 0.35 : 0.6;
+    ctx.lineWidth = isSelected ? 2.5 : 1.75;
+    ctx.strokeStyle = robotColor(trail.robot_id);
+    stroke(ctx, view, trail.points_m);
+  }
+  ctx.globalAlpha = 1;
+}
+
+/**
+ * @param {CanvasRenderingContext2D} ctx
+ * @param {View} view
+ * @param {Store} store
+ */
+function drawPlan(ctx, view, store) {
+  const robot = store.selected?.kind === "robot" ? store.robots.get(store.selected.id) : undefined;
+  if (!robot) return;
+  const color = robotColor(robot.robot_id);
+  if (robot.path_m?.length) {
+    /** @type {[number, number][]} */
+    const path = [[robot.x_m, robot.y_m], ...robot.path_m];
+    ctx.strokeStyle = HALO;
+    ctx.lineWidth = 5;
+    stroke(ctx, view, path);
+    ctx.setLineDash([7, 6]);
+    ctx.strokeStyle = color;
+    ctx.lineWidth = 2.5;
+    stroke(ctx, view, path);
+    ctx.setLineDash([]);
+  }
+  if (!robot.goal_m) return;
+  const [x, y] = [view.toX(robot.goal_m[0]), view.toY(robot.goal_m[1])];
+  for (const [style, width] of /** @type {const} */ ([[HALO, 6], [color, 2.5]])) {
+    ctx.strokeStyle = style;
+    ctx.lineWidth = width;
+    ctx.beginPath();
+    ctx.arc(x, y, 8, 0, 2 * Math.PI);
+    for (const [dx, dy] of [[1, 0], [-1, 0], [0, 1], [0, -1]]) {
+      ctx.moveTo(x + 5 * dx, y + 5 * dy);
+      ctx.lineTo(x + 12 * dx, y + 12 * dy);
+    }
+    ctx.stroke();
+  }
+}
+
+/**
+ * @param {CanvasRenderingContext2D} ctx
+ * @param {View} view
+ * @param {Store} store
+ */
+function drawTags(ctx, view, store) {
+  const radius = Math.min(5.5, Math.max(2, view.scale * 0.14));
+  const isClose = view.scale >= LABEL_FROM_PX_PER_M;
+  const drawn = [];
+  const taken = new Set();
+  for (const tag of store.tags.values()) {
+    const [x, y] = [view.toX(tag.x_m), view.toY(tag.y_m)];
+    if (x < -40 || y < -40 || x > view.width + 40 || y > view.height + 40) continue;
+    // Far out, tags nearer than six pixels would only make a smear: the first one stands for its neighbours.
+    const place = `${Math.round(x / 6)} ${Math.round(y / 6)}`;
+    if (!isClose && taken.has(place)) continue;
+    taken.add(place);
+    drawn.push({ tag, x, y });
+    if (isClose && store.layers.uncertainty) drawTagEllipse(ctx, view, x, y, tag.covariance);
+  }
+  ctx.fillStyle = TAG;
+  ctx.strokeStyle = HALO;
+  ctx.lineWidth = 2;
+  ctx.beginPath();
+  for (const { x, y } of drawn) {
+    ctx.moveTo(x, y - radius);
+    ctx.lineTo(x + radius, y);
+    ctx.lineTo(x, y + radius);
+    ctx.lineTo(x - radius, y);
+    ctx.closePath();
+  }
+  ctx.stroke();
+  ctx.fill();
+  if (isClose) drawTagLabels(ctx, drawn, radius);
+}
+
+/**
+ * @param {CanvasRenderingContext2D} ctx
+ * @param {View} view
+ * @param {number} x
+ * @param {number} y
+ * @param {number[]} covariance
+ */
+function drawTagEllipse(ctx, view, x, y, covariance) {
+  const { major_m, minor_m, angle_rad } = ellipse(covariance);
+  if (major_m * view.scale < 6) return;
+  ctx.fillStyle = "rgba(255, 243, 196, 0.08)";
+  ctx.strokeStyle = "rgba(255, 243, 196, 0.35)";
+  ctx.lineWidth = 1;
+  ctx.beginPath();
+  ctx.ellipse(x, y, major_m * view.scale, minor_m * view.scale, -angle_rad, 0, 2 * Math.PI);
+  ctx.fill();
+  ctx.stroke();
+}
+
+/**
+ * Ids beside their tags, leaving out those that would cover an earlier one.
+ * @param {CanvasRenderingContext2D} ctx
+ * @param {{tag: import("./types.js").Tag, x: number, y: number}[]} drawn
+ * @param {number} radius
+ */
+function drawTagLabels(ctx, drawn, radius) {
+  ctx.font = "600 11px ui-monospace, SFMono-Regular, Menlo, Consolas, monospace";
+  ctx.textBaseline = "middle";
+  ctx.lineWidth = 3;
+  ctx.strokeStyle = HALO;
+  ctx.fillStyle = "#e9dfb8";
+  const placed = /** @type {[number, number, number][]} */ ([]);
+  for (const { tag, x, y } of drawn) {
+    const left = x + radius + 4;
+    const width = ctx.measureText(tag.tag_id).width;
+    if (placed.some(([l, t, w]) => Math.abs(t - y) < 13 && left < l + w + 6 && l < left + width + 6)) continue;
+    placed.push([left, y, width]);
+    ctx.strokeText(tag.tag_id, left, y);
+    ctx.fillText(tag.tag_id, left, y);
+  }
+}
+
+/**
+ * @param {CanvasRenderingContext2D} ctx
+ * @param {View} view
+ * @param {[number, number][]} points
+ */
+function stroke(ctx, view, points) {
+  ctx.beginPath();
+  points.forEach(([x_m, y_m], index) => {
+    if (index) ctx.lineTo(view.toX(x_m), view.toY(y_m));
+    else ctx.moveTo(view.toX(x_m), view.toY(y_m));
+  });
+  ctx.stroke();
+}

@@ -1,0 +1,148 @@
+/** The console: which mission, its stream, and the parts of the page that show it. */
+
+import { ApiError, request } from "./api.js";
+import { attachDivider } from "./divider.js";
+import { Plan } from "./plan.js";
+import { EventFeed, VictimList } from "./reports.js";
+import { RobotList } from "./robot_list.js";
+import { Scene } from "./scene.js";
+import { PlanTools } from "./stage.js";
+import { StopControl } from "./stop_control.js";
+import { Store } from "./store.js";
+import { Stream } from "./stream.js";
+import { StopBanner, TopBar, Veil } from "./top_bar.js";
+import { html, render } from "./vendor.js";
+
+const MISSIONS_MS = 5000;
+const SHORTEST_RENDER_MS = 80;
+const TICK_MS = 500; // ages and clocks on the page
+
+/** @param {string} id */
+const element = (id) => /** @type {HTMLElement} */ (document.getElementById(id));
+
+const store = new Store();
+const stops = new StopControl(store);
+const plan = new Plan(element("plan"), store);
+new Scene(element("scene-pane"), store);
+attachDivider(element("divider"), element("stage"), store);
+/** @type {Stream | null} */
+let stream = null;
+
+/** @param {"robot" | "victim"} kind */
+const select = (kind) => (/** @type {string} */ id) => {
+  store.select({ kind, id });
+  plan.centreOnSelected();
+};
+
+/** @param {string} missionId */
+function openMission(missionId) {
+  if (missionId === store.missionId) return;
+  stream?.close();
+  store.clearBoard();
+  store.missionId = missionId;
+  store.exploredM2 = 0;
+  store.selected = null;
+  store.connection = { state: "loading", heardAt: Date.now(), attempt: 0, retryAt: 0, reason: "" };
+  const address = new URL(location.href);
+  address.searchParams.set("mission", missionId);
+  history.replaceState(null, "", address);
+  stream = new Stream(store, missionId, (text) => (element("alarm-announcer").textContent = `Alarm: ${text}`));
+  plan.fit();
+  store.changed();
+}
+
+/** Ask for the missions again and again: new ones appear, and the first one opens by itself. */
+async function watchMissions() {
+  try {
+    const { missions } = await request("GET", "/missions");
+    store.missions = missions;
+    const wanted = store.missionId ?? new URLSearchParams(location.search).get("mission");
+    if (!store.missionId) {
+      const running = missions.filter((/** @type {any} */ mission) => mission.state === "running");
+      const newest = [...(running.length ? running : missions)].sort((a, b) => b.created_unix_s - a.created_unix_s)[0];
+      if (wanted) openMission(wanted);
+      else if (newest) openMission(newest.mission_id);
+      else store.connection.state = "none";
+    }
+  } catch (error) {
+    if (!store.missionId) {
+      store.connection.state = "loading";
+      store.connection.reason = error instanceof ApiError ? `${error.message} Trying again.` : String(error);
+    }
+  }
+  store.changed();
+  setTimeout(watchMissions, store.missionId ? MISSIONS_MS : 1500);
+}
+
+/** @param {"plan" | "both" | "scene"} view */
+function setView(view) {
+  store.view = view;
+  store.keepPreferences();
+}
+
+const TABS = [["robots", "Robots"], ["victims", "Victims"], ["events", "Events"]];
+
+function Tabs() {
+  return TABS.map(([tab, label]) => html`<button type="button" aria-pressed=${store.tab === tab} onClick=${() => {
+    store.tab = tab;
+    store.changed();
+  }}>${label}${tab === "victims" && store.victims.size > 0 && html` <span class="count">${store.victims.size}</span>`
+  }</button>`);
+}
+
+function Notices() {
+  return [...store.notices].map(([number, { text, level }]) => html`
+    <div key=${number} class=${`notice notice-${level}`} role="alert"><span>${text}</span>
+      <button type="button" aria-label="Dismiss this message" onClick=${() => {
+        store.notices.delete(number);
+        store.changed();
+      }}>×</button></div>`);
+}
+
+let announced = "";
+
+function renderPanels() {
+  const { state } = store.connection;
+  document.body.dataset.tab = store.tab;
+  document.body.dataset.view = store.view;
+  document.body.dataset.connection = state;
+  document.title = `${state === "stale" ? "STALE · " : ""}${store.mission?.name ?? "Waymark"} · Waymark`;
+  render(html`<${TopBar} store=${store} stops=${stops} onMission=${openMission} onView=${setView} />`, element("top"));
+  render(html`<${StopBanner} store=${store} stops=${stops} />`, element("banner"));
+  render(html`<${RobotList} store=${store} stops=${stops} onSelect=${select("robot")} />`, element("robots"));
+  render(html`
+    <section id="victims" aria-label="Victims"><${VictimList} store=${store} onSelect=${select("victim")} /></section>
+    <section id="events" aria-label="Events"><${EventFeed} store=${store} onSelect=${select("robot")} /></section>`,
+    element("reports"));
+  render(html`<${PlanTools} store=${store} plan=${plan} />`, element("plan-tools"));
+  render(html`<${Veil} store=${store} onRetry=${() => stream?.retry()} />`, element("veil"));
+  render(html`<${Tabs} />`, element("tabs"));
+  render(html`<${Notices} />`, element("notices"));
+  if (state !== announced) {
+    announced = state;
+    element("announcer").textContent = { live: "Connected, live", stale: "Data is stale", reconnecting: "Reconnecting" }[
+      /** @type {string} */ (state)] ?? "";
+  }
+}
+
+let renderedAt = 0;
+let waiting = 0;
+store.subscribe(() => {
+  if (waiting) return;
+  waiting = setTimeout(() => {
+    waiting = 0;
+    renderedAt = performance.now();
+    renderPanels();
+  }, Math.max(0, renderedAt + SHORTEST_RENDER_MS - performance.now()));
+});
+
+addEventListener("keydown", (event) => {
+  const target = /** @type {HTMLElement} */ (event.target);
+  if (event.ctrlKey || event.metaKey || event.altKey || /^(INPUT|SELECT|TEXTAREA)$/.test(target.tagName)) return;
+  if (event.key === "f") plan.fit();
+  else if (event.key === "Escape") store.select(null);
+});
+
+setInterval(() => store.changed(), TICK_MS);
+renderPanels();
+watchMissions();

@@ -1,0 +1,245 @@
+/** Robots, victims and notes on the plan: real elements, so that they can be clicked, focused and read out. */
+
+import { robotColor } from "./color.js";
+import { ellipse, percent } from "./format.js";
+import { L } from "./vendor.js";
+import { statusOf } from "./victim_status.js";
+
+/** @import {Annotation, Robot, Victim} from "./types.js" */
+/** @import {Store} from "./store.js" */
+
+const SVG = "http://www.w3.org/2000/svg";
+const GLIDE_MS = 220; // poses come a few times a second: glide between them
+
+/**
+ * @typedef {{marker: import("leaflet").Marker, root: HTMLElement, parts: Record<string, HTMLElement | SVGElement>,
+ *   from: number[], to: number[], startedAt: number}} Mark
+ */
+
+export class Marks {
+  /**
+   * @param {import("leaflet").Map} map
+   * @param {Store} store
+   * @param {(selected: {kind: "robot" | "victim", id: string}) => void} onSelect
+   */
+  constructor(map, store, onSelect) {
+    this.map = map;
+    this.store = store;
+    this.onSelect = onSelect;
+    /** @type {Map<string, Mark>} */
+    this.marks = new Map();
+    this.frame = 0;
+    this.still = matchMedia("(prefers-reduced-motion: reduce)");
+    map.on("zoom viewreset", () => this.update());
+  }
+
+  update() {
+    const { store } = this;
+    const wanted = new Set();
+    for (const robot of store.robots.values()) wanted.add(this.#robot(robot));
+    if (store.layers.victims) for (const victim of store.victims.values()) wanted.add(this.#victim(victim));
+    if (store.layers.notes) {
+      for (const [id, annotation] of store.annotations) wanted.add(this.#note(id, annotation));
+    }
+    for (const [key, mark] of this.marks) {
+      if (wanted.has(key)) continue;
+      mark.marker.remove();
+      this.marks.delete(key);
+    }
+    this.#glide();
+  }
+
+  /** @param {string} robotId @returns {[number, number] | null} where the robot is drawn now, latitude first */
+  shownAt(robotId) {
+    const mark = this.marks.get(`robot/${robotId}`);
+    if (!mark) return null;
+    const [x_m, y_m] = interpolate(mark, performance.now());
+    return [y_m, x_m];
+  }
+
+  /** @param {Robot} robot */
+  #robot(robot) {
+    const key = `robot/${robot.robot_id}`;
+    const mark = this.marks.get(key) ?? this.#add(key, "robot", robotShape(robot.robot_id), () =>
+      this.onSelect({ kind: "robot", id: robot.robot_id }));
+    const { link } = this.store.linkOf(robot);
+    mark.root.style.setProperty("--robot", robotColor(robot.robot_id));
+    mark.root.dataset.link = link;
+    mark.root.dataset.robot = robot.robot_id;
+    mark.root.classList.toggle("stopped", robot.stopped);
+    mark.root.classList.toggle("selected", this.store.isSelectedRobot(robot.robot_id));
+    mark.parts.name.textContent = robot.robot_id;
+    mark.root.setAttribute("aria-label", `Robot ${robot.robot_id}, link ${link}${robot.stopped ? ", stopped" : ""}`);
+    const scale = 2 ** this.map.getZoom();
+    mark.root.style.setProperty("--size", `${Math.min(60, Math.max(26, 0.7 * scale))}px`);
+    shapeEllipse(mark.parts.sigma, robot.covariance, scale, this.store.layers.uncertainty);
+    this.#moveTo(mark, [robot.x_m, robot.y_m, robot.yaw_rad]);
+    return key;
+  }
+
+  /** @param {Victim} victim */
+  #victim(victim) {
+    const key = `victim/${victim.victim_id}`;
+    const mark = this.marks.get(key) ?? this.#add(key, "victim", victimShape(), () =>
+      this.onSelect({ kind: "victim", id: victim.victim_id }));
+    const status = statusOf(victim.status);
+    mark.root.dataset.status = victim.status;
+    mark.root.dataset.victim = victim.victim_id;
+    mark.parts.glyph.textContent = status.glyph;
+    mark.parts.name.textContent = `${victim.victim_id} · ${percent(victim.confidence)}`;
+    mark.root.classList.toggle(
+      "selected", this.store.selected?.kind === "victim" && this.store.selected.id === victim.victim_id);
+    mark.root.setAttribute(
+      "aria-label", `Victim ${victim.victim_id}, ${status.label}, confidence ${percent(victim.confidence)}`);
+    shapeEllipse(mark.parts.sigma, victim.covariance, 2 ** this.map.getZoom(), this.store.layers.uncertainty);
+    this.#moveTo(mark, [victim.x_m, victim.y_m, 0]);
+    return key;
+  }
+
+  /**
+   * @param {string} id
+   * @param {Annotation} annotation
+   */
+  #note(id, annotation) {
+    const tag = annotation.tag_id ? this.store.tags.get(annotation.tag_id) : undefined;
+    const x_m = annotation.x_m ?? tag?.x_m;
+    const y_m = annotation.y_m ?? tag?.y_m;
+    const key = `note/${id}`;
+    if (x_m == null || y_m == null) return null;
+    const mark = this.marks.get(key) ?? this.#add(key, "note", noteShape(), null);
+    mark.root.dataset.kind = annotation.kind;
+    mark.parts.name.textContent = annotation.text || annotation.kind;
+    mark.parts.glyph.textContent = { hazard: "!", searched: "✓", victim: "+" }[annotation.kind] ?? "i";
+    mark.root.setAttribute("aria-label", `${annotation.kind}: ${annotation.text}`);
+    this.#moveTo(mark, [x_m, y_m, 0]);
+    return key;
+  }
+
+  /**
+   * @param {string} key
+   * @param {string} kind
+   * @param {Record<string, HTMLElement | SVGElement>} parts
+   * @param {(() => void) | null} onSelect
+   * @returns {Mark}
+   */
+  #add(key, kind, parts, onSelect) {
+    const root = document.createElement("div");
+    root.className = `mark ${kind}`;
+    root.append(...Object.values(parts));
+    const icon = L.divIcon({ html: root, className: "mark-anchor", iconSize: [0, 0] });
+    const marker = L.marker([0, 0], { icon, pane: kind === "robot" ? "robots" : "reports", keyboard: false });
+    marker.addTo(this.map);
+    if (onSelect) {
+      root.tabIndex = 0;
+      root.setAttribute("role", "button");
+      marker.on("click", onSelect);
+      root.addEventListener("keydown", (event) => {
+        if (event.key !== "Enter" && event.key !== " ") return;
+        event.preventDefault();
+        onSelect();
+      });
+    } else root.setAttribute("role", "img");
+    /** @type {Mark} */
+    const mark = { marker, root, parts, from: [], to: [], startedAt: 0 };
+    this.marks.set(key, mark);
+    return mark;
+  }
+
+  /**
+   * @param {Mark} mark
+   * @param {number[]} pose x, y, heading
+   */
+  #moveTo(mark, pose) {
+    if (mark.to.every((value, index) => value === pose[index]) && mark.to.length) return;
+    const now = performance.now();
+    const isFirst = !mark.to.length;
+    mark.from = isFirst || this.still.matches ? pose : interpolate(mark, now);
+    mark.to = pose;
+    mark.startedAt = now;
+    if (isFirst || this.still.matches) place(mark, now);
+  }
+
+  /** Move all marks a frame further until each has arrived. */
+  #glide() {
+    if (this.frame) return;
+    const step = () => {
+      this.frame = 0;
+      const now = performance.now();
+      let isMoving = false;
+      for (const mark of this.marks.values()) {
+        if (!mark.startedAt) continue;
+        place(mark, now);
+        if (now - mark.startedAt < GLIDE_MS) isMoving = true;
+        else mark.startedAt = 0;
+      }
+      if (isMoving) this.frame = requestAnimationFrame(step);
+    };
+    this.frame = requestAnimationFrame(step);
+  }
+}
+
+/**
+ * @param {Mark} mark
+ * @param {number} now
+ */
+function interpolate(mark, now) {
+  const share = mark.startedAt ? Math.min(1, (now - mark.startedAt) / GLIDE_MS) : 1;
+  const turn = Math.atan2(Math.sin(mark.to[2] - mark.from[2]), Math.cos(mark.to[2] - mark.from[2]));
+  return [
+    mark.from[0] + share * (mark.to[0] - mark.from[0]),
+    mark.from[1] + share * (mark.to[1] - mark.from[1]),
+    mark.from[2] + share * turn,
+  ];
+}
+
+/**
+ * @param {Mark} mark
+ * @param {number} now
+ */
+function place(mark, now) {
+  const [x_m, y_m, yaw_rad] = interpolate(mark, now);
+  mark.marker.setLatLng([y_m, x_m]);
+  mark.parts.arrow?.style.setProperty("transform", `translate(-50%, -50%) rotate(${Math.PI / 2 - yaw_rad}rad)`);
+}
+
+/**
+ * @param {HTMLElement | SVGElement} element
+ * @param {number[]} covariance
+ * @param {number} scale pixels per metre
+ * @param {boolean} isShown
+ */
+function shapeEllipse(element, covariance, scale, isShown) {
+  const { major_m, minor_m, angle_rad } = ellipse(covariance);
+  element.style.display = isShown && major_m * scale > 8 ? "" : "none";
+  element.style.width = `${2 * major_m * scale}px`;
+  element.style.height = `${2 * minor_m * scale}px`;
+  element.style.transform = `translate(-50%, -50%) rotate(${-angle_rad}rad)`;
+}
+
+/** @param {string} className */
+function span(className) {
+  const element = document.createElement("span");
+  element.className = className;
+  return element;
+}
+
+/** @param {string} robotId */
+function robotShape(robotId) {
+  const arrow = document.createElementNS(SVG, "svg");
+  arrow.setAttribute("viewBox", "0 0 32 32");
+  arrow.setAttribute("class", "arrow");
+  const path = document.createElementNS(SVG, "path");
+  path.setAttribute("d", "M16 2.5 27 27.5Q27.4 28.9 26 28.3L16 23.6 6 28.3Q4.6 28.9 5 27.5Z");
+  arrow.append(path);
+  const name = span("name");
+  name.textContent = robotId;
+  return { sigma: span("sigma"), arrow, name };
+}
+
+function victimShape() {
+  return { sigma: span("sigma"), glyph: span("glyph"), name: span("name") };
+}
+
+function noteShape() {
+  return { glyph: span("glyph"), name: span("name") };
+}

@@ -1,0 +1,162 @@
+/** The plan: a Leaflet map in metres, and how it follows what happens. */
+
+import { Building } from "./building.js";
+import { canvasLayer } from "./canvas_layer.js";
+import { drawGround, drawInk } from "./ink.js";
+import { Marks } from "./marks.js";
+import { L } from "./vendor.js";
+
+/** @import {Store} from "./store.js" */
+
+const PANES = { ground: 150, building: 200, ink: 420, reports: 610, robots: 620 };
+const CLOSE_ZOOM = 5.2; // about 37 pixels a metre: a room fills the view
+
+export class Plan {
+  /**
+   * @param {HTMLElement} root
+   * @param {Store} store
+   */
+  constructor(root, store) {
+    this.store = store;
+    /** Fit everything, follow the selected robot, or stay where the operator put it. */
+    this.mode = /** @type {"fit" | "follow" | "free"} */ ("fit");
+    /** @type {{x_m: number, y_m: number, tag: string} | null} */
+    this.cursor = null;
+    this.map = L.map(root, {
+      crs: L.CRS.Simple,
+      center: [0, 0],
+      zoom: 4,
+      minZoom: -2,
+      maxZoom: 8,
+      zoomSnap: 0,
+      zoomDelta: 0.75,
+      wheelPxPerZoomLevel: 140,
+      wheelDebounceTime: 20,
+      zoomControl: false,
+      attributionControl: false,
+      // Every layer is drawn anew in the same frame as the zoom, so nothing swims behind.
+      zoomAnimation: false,
+      fadeAnimation: false,
+      markerZoomAnimation: false,
+    });
+    for (const [name, zIndex] of Object.entries(PANES)) {
+      const pane = this.map.createPane(name);
+      pane.style.zIndex = String(zIndex);
+      if (name === "ground" || name === "ink") pane.style.pointerEvents = "none";
+    }
+    this.ground = canvasLayer("ground", drawGround(store)).addTo(this.map);
+    this.ink = canvasLayer("ink", drawInk(store)).addTo(this.map);
+    this.building = new Building(this.map, store);
+    this.marks = new Marks(this.map, store, (selected) => store.select(selected));
+    this.map.on("dragstart", () => this.#setMode("free"));
+    root.addEventListener("wheel", () => this.mode === "fit" && this.#setMode("free"), { passive: true });
+    this.map.on("zoom move", () => store.changed());
+    this.map.on("mousemove", (event) => this.#point(event.latlng));
+    this.map.on("mouseout", () => {
+      this.cursor = null;
+      store.changed();
+    });
+    new ResizeObserver(() => this.map.invalidateSize({ animate: false })).observe(root);
+    store.subscribe(() => this.update());
+  }
+
+  update() {
+    this.building.update();
+    this.marks.update();
+    this.ground.refresh();
+    this.ink.refresh();
+    if (this.mode === "fit") this.#fit();
+    if (this.mode === "follow") this.#follow();
+  }
+
+  /** Show the whole mission, and go on doing so while it grows. */
+  fit() {
+    this.#setMode("fit");
+    this.#fit();
+  }
+
+  /** Keep the selected robot in the middle. */
+  follow() {
+    this.#setMode(this.mode === "follow" ? "free" : "follow");
+    if (this.mode === "follow" && this.map.getZoom() < CLOSE_ZOOM) this.map.setZoom(CLOSE_ZOOM);
+    this.store.changed();
+  }
+
+  /** @param {number} steps */
+  zoom(steps) {
+    if (this.mode === "fit") this.#setMode("free");
+    this.map.setZoom(this.map.getZoom() + steps * 0.75);
+  }
+
+  /** Put the selected robot or victim into the middle of the view. */
+  centreOnSelected() {
+    const { selected } = this.store;
+    const thing = selected?.kind === "robot"
+      ? this.store.robots.get(selected.id) : this.store.victims.get(selected?.id ?? "");
+    if (!thing) return;
+    if (this.mode === "fit") this.#setMode("free");
+    this.map.setView([thing.y_m, thing.x_m], Math.max(this.map.getZoom(), CLOSE_ZOOM - 0.7), { animate: false });
+  }
+
+  /** Pixels per metre. */
+  scale() {
+    return 2 ** this.map.getZoom();
+  }
+
+  /** @param {"fit" | "follow" | "free"} mode */
+  #setMode(mode) {
+    if (mode === this.mode) return;
+    this.mode = mode;
+    this.store.changed();
+  }
+
+  #fit() {
+    const { map: info, robots, victims } = this.store;
+    const bounds = L.latLngBounds([]);
+    if (info) {
+      const [x_m, y_m] = info.origin_m;
+      bounds.extend([y_m, x_m]);
+      bounds.extend([y_m + info.height * info.resolution_m, x_m + info.width * info.resolution_m]);
+    }
+    for (const { x_m, y_m } of [...robots.values(), ...victims.values()]) {
+      bounds.extend([y_m - 1.5, x_m - 1.5]);
+      bounds.extend([y_m + 1.5, x_m + 1.5]);
+    }
+    if (!bounds.isValid()) return;
+    const { x, y } = this.map.getSize();
+    if (!x || !y) return;
+    const pad = Math.min(56, 0.08 * Math.min(x, y));
+    const zoom = Math.min(6, this.map.getBoundsZoom(bounds, false, L.point(2 * pad, 2 * pad)));
+    const centre = bounds.getCenter();
+    const moved = this.map.latLngToContainerPoint(centre).distanceTo([x / 2, y / 2]);
+    if (moved > 2 || Math.abs(zoom - this.map.getZoom()) > 0.02) this.map.setView(centre, zoom, { animate: false });
+  }
+
+  #follow() {
+    if (this.store.selected?.kind !== "robot") {
+      this.#setMode("free");
+      return;
+    }
+    const place = this.marks.shownAt(this.store.selected.id);
+    if (!place) return;
+    const { x, y } = this.map.getSize();
+    if (this.map.latLngToContainerPoint(place).distanceTo([x / 2, y / 2]) > 1) {
+      this.map.panTo(place, { animate: false });
+    }
+  }
+
+  /** @param {import("leaflet").LatLng} place */
+  #point(place) {
+    const reach_m = 12 / this.scale();
+    let tag = "";
+    let nearest_m = reach_m;
+    if (this.store.layers.tags) {
+      for (const each of this.store.tags.values()) {
+        const distance_m = Math.hypot(each.x_m - place.lng, each.y_m - place.lat);
+        if (distance_m < nearest_m) [tag, nearest_m] = [each.tag_id, distance_m];
+      }
+    }
+    this.cursor = { x_m: place.lng, y_m: place.lat, tag };
+    this.store.changed();
+  }
+}

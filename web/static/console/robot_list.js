@@ -1,0 +1,106 @@
+/** The robots' cards: what each is doing and why, how well it is, and its STOP. */
+
+import { robotColor } from "./color.js";
+import { age, ellipse, fixed, metres, percent } from "./format.js";
+import { html } from "./vendor.js";
+
+/** @import {Robot} from "./types.js" */
+/** @import {Store} from "./store.js" */
+/** @import {StopControl} from "./stop_control.js" */
+
+/** @type {Record<string, string>} */
+const ACTIVITIES = {
+  starting: "Starting", exploring: "Exploring", holding: "Holding", stuck: "Stuck", done: "Finished",
+};
+/** @type {Record<string, string>} */
+const LINKS = { live: "Live", late: "Late", lost: "Lost" };
+
+/** @type {Record<string, string>} */
+const STOP_WORDS = {
+  sending: "Stopping", unconfirmed: "Not confirmed", ordered: "Stop ordered", braking: "Braking", stopped: "Stopped",
+};
+
+/** @param {{store: Store, stops: StopControl, onSelect: (id: string) => void}} props */
+export function RobotList({ store, stops, onSelect }) {
+  const robots = store.robotList();
+  return html`
+    <h2 class="panel-title">Robots <span class="count">${robots.length || ""}</span></h2>
+    ${robots.length === 0 && html`<p class="hint">
+      ${store.mission ? "No robot has joined this mission yet." : "No mission is open."}</p>`}
+    <ul class="cards">
+      ${robots.map((robot) => html`<${RobotCard} key=${robot.robot_id} robot=${robot} store=${store} stops=${stops}
+        onSelect=${onSelect} />`)}
+    </ul>`;
+}
+
+/** @param {{robot: Robot, store: Store, stops: StopControl, onSelect: (id: string) => void}} props */
+function RobotCard({ robot, store, stops, onSelect }) {
+  const id = robot.robot_id;
+  const { link, age_s } = store.linkOf(robot);
+  const isSelected = store.isSelectedRobot(id);
+  const stop = stops.stateOf(robot);
+  const battery = robot.battery;
+  const isLow = battery !== null && battery < 0.2;
+  const activity = ACTIVITIES[robot.activity] ?? robot.activity;
+  return html`
+    <li class=${`card robot-card ${isSelected ? "selected" : ""}`} data-robot=${id} data-link=${link}
+        data-stop=${stop} style=${{ "--robot": robotColor(id) }}>
+      <button class="card-body" type="button" aria-pressed=${isSelected} onClick=${() => onSelect(id)}
+              title=${`Show ${id} in the middle of the plan`}>
+        <span class="card-head">
+          <svg class="swatch" viewBox="0 0 32 32" aria-hidden="true">
+            <path d="M16 2.5 27 27.5Q27.4 28.9 26 28.3L16 23.6 6 28.3Q4.6 28.9 5 27.5Z" /></svg>
+          <span class="card-name">${id}</span>
+          <span class=${`link link-${link}`}>
+            <i class="dot" aria-hidden="true"></i>${LINKS[link] ?? link}
+            <span class="age">${age(age_s)}</span>
+          </span>
+        </span>
+        <span class="state">
+          <b class=${robot.activity === "stuck" ? "warn" : ""}>${link === "lost" ? `Last known: ${activity.toLowerCase()}` : activity}</b>
+          ${robot.slipping && html`<span class="badge warn">Slipping</span>`}
+          ${!robot.located && html`<span class="badge" title="Not yet joined to the team's map">Not located</span>`}
+          ${robot.agent === "onboard" && html`<span class="badge" title="Decides on board">On board</span>`}
+        </span>
+        <span class="reason">${robot.reason || "No reason given."}</span>
+        <span class="figures">
+          <${Figure} label="Battery" value=${percent(battery)} warn=${isLow}>
+            ${battery !== null && html`<span class="gauge" aria-hidden="true">
+              <i style=${{ width: `${Math.round(100 * Math.min(1, Math.max(0, battery)))}%` }}></i></span>`}
+          <//>
+          <${Figure} label="Tags left" value=${fixed(robot.tags_left, 0)} warn=${robot.tags_left === 0} />
+          <${Figure} label="Driven" value=${metres(robot.distance_m)} />
+          <${Figure} label="Position" value=${`± ${fixed(ellipse(robot.covariance).major_m, 2)} m`} />
+        </span>
+      </button>
+      <div class="card-stop">
+        ${stop === "free"
+          ? html`<button type="button" class="stop" onClick=${() => stops.stop(id)} aria-label=${`Stop ${id}`}>
+              STOP</button>`
+          : html`<div class=${`stop-state stop-${stop}`} role="status">${STOP_WORDS[stop]}</div>`}
+      </div>
+      ${robot.stopped && html`
+        <div class="card-foot">
+          <span>${link === "live" ? "Stands still by order." : "Takes effect when it is heard again."}</span>
+          <${ResumeButton} stops=${stops} robotId=${id} />
+        </div>`}
+    </li>`;
+}
+
+/** @param {{label: string, value: string, warn?: boolean, children?: unknown}} props */
+function Figure({ label, value, warn, children }) {
+  return html`<span class="figure">
+    <span class="figure-label">${label}</span>
+    <span class=${`figure-value ${warn ? "warn" : ""}`}>${value}</span>${children}</span>`;
+}
+
+/** @param {{stops: StopControl, robotId?: string}} props */
+export function ResumeButton({ stops, robotId }) {
+  const isAsked = stops.isAsked(robotId);
+  const isPending = stops.pending.get(robotId ?? "*")?.order === "resume";
+  const who = robotId ?? "all";
+  return html`<button type="button" class=${`quiet resume ${isAsked ? "asked" : ""}`} disabled=${isPending}
+      onClick=${() => stops.resume(robotId)}
+      aria-label=${isAsked ? `Confirm: resume ${who}` : `Resume ${who}, asks once more`}>
+    ${isPending ? "Resuming" : isAsked ? `Press again to resume ${who}` : robotId ? "Resume" : "Resume all"}</button>`;
+}

@@ -1,0 +1,63 @@
+/** The 3D view: viser's page in a frame, loaded only when it is first asked for. */
+
+import { fetchChecked } from "./api.js";
+
+/** @import {Store} from "./store.js" */
+
+export class Scene {
+  /**
+   * @param {HTMLElement} root
+   * @param {Store} store
+   */
+  constructor(root, store) {
+    this.root = root;
+    this.store = store;
+    this.missionId = "";
+    store.subscribe(() => this.update());
+  }
+
+  /** Load the mission's scene when it should be visible and is not there yet. */
+  update() {
+    const { missionId, view, connection } = this.store;
+    if (view === "plan" || !missionId || missionId === this.missionId || connection.state !== "live") return;
+    this.missionId = missionId;
+    this.#load(missionId);
+  }
+
+  /** @param {string} missionId */
+  async #load(missionId) {
+    const address = `/viser/${encodeURIComponent(missionId)}/`;
+    this.#say("Loading the 3D view", "The scene is being fetched.");
+    try {
+      await fetchChecked(address, { method: "HEAD" });
+    } catch (error) {
+      this.#say("The 3D view is not available", `${/** @type {Error} */ (error).message} The plan works without it.`);
+      const again = document.createElement("button");
+      again.type = "button";
+      again.textContent = "Try again";
+      again.addEventListener("click", () => this.#load(missionId));
+      this.root.firstElementChild?.append(again);
+      return;
+    }
+    if (missionId !== this.missionId) return;
+    const frame = document.createElement("iframe");
+    frame.title = "The mission in 3D";
+    frame.src = `${address}?hideViserLogo&darkMode`;
+    this.root.replaceChildren(frame);
+  }
+
+  /**
+   * @param {string} title
+   * @param {string} text
+   */
+  #say(title, text) {
+    const words = document.createElement("div");
+    words.className = "words";
+    words.setAttribute("role", "status");
+    const [strong, paragraph] = [document.createElement("strong"), document.createElement("p")];
+    strong.textContent = title;
+    paragraph.textContent = text;
+    words.append(strong, paragraph);
+    this.root.replaceChildren(words);
+  }
+}

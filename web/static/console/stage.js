@@ -1,0 +1,99 @@
+/** What lies over the plan: tools, layers, scale, cursor, north, and words when there is nothing to show. */
+
+import { fixed } from "./format.js";
+import { LAYERS } from "./store.js";
+import { Component, html } from "./vendor.js";
+
+/** @import {Plan} from "./plan.js" */
+/** @import {Store} from "./store.js" */
+
+const LONGEST_BAR_PX = 120;
+
+/** @param {{store: Store, plan: Plan}} props */
+export function PlanTools({ store, plan }) {
+  const hasRobot = store.selected?.kind === "robot";
+  return html`
+    <div class="tools tools-left">
+      <${LayerMenu} store=${store} />
+    </div>
+    <div class="tools tools-right">
+      <svg class="north" viewBox="0 0 48 48" role="img" aria-label="North is to the right">
+        <circle cx="24" cy="24" r="22" /><path class="needle" d="M28 24 10 17 14 24 10 31Z" />
+        <text x="36" y="24.5">N</text></svg>
+      <div class="tool-group" role="group" aria-label="Zoom">
+        <button type="button" onClick=${() => plan.zoom(1)} aria-label="Zoom in" title="Zoom in (+)">+</button>
+        <button type="button" onClick=${() => plan.zoom(-1)} aria-label="Zoom out" title="Zoom out (-)">−</button>
+      </div>
+      <button type="button" class="tool" aria-pressed=${plan.mode === "fit"} onClick=${() => plan.fit()}
+              title="Show the whole mission (F)">Fit</button>
+      ${hasRobot && html`<button type="button" class="tool" aria-pressed=${plan.mode === "follow"}
+              onClick=${() => plan.follow()} title="Keep the selected robot in the middle">Follow</button>`}
+    </div>
+    <div class="readout">
+      <${ScaleBar} scale=${plan.scale()} />
+      ${plan.cursor && html`<span class="cursor">x ${fixed(plan.cursor.x_m, 2)}  y ${fixed(plan.cursor.y_m, 2)} m
+        ${plan.cursor.tag && html`<b>${plan.cursor.tag}</b>`}</span>`}
+    </div>
+    <${PlanWords} store=${store} />`;
+}
+
+/** A bar of 1, 2 or 5 times a power of ten metres. @param {{scale: number}} props */
+function ScaleBar({ scale }) {
+  const longest_m = LONGEST_BAR_PX / scale;
+  const power = 10 ** Math.floor(Math.log10(longest_m));
+  const length_m = ([5, 2, 1].find((factor) => factor * power <= longest_m) ?? 1) * power;
+  const words = length_m < 1 ? `${Math.round(100 * length_m)} cm` : `${length_m} m`;
+  return html`<span class="scale" role="img" aria-label=${`Scale: this bar is ${words} long`}>
+    <i style=${{ width: `${length_m * scale}px` }}></i>${words}</span>`;
+}
+
+/** @extends {Component<{store: Store}, {isOpen: boolean}>} */
+class LayerMenu extends Component {
+  /** @param {{store: Store}} props */
+  render({ store }) {
+    const isOpen = this.state.isOpen ?? false;
+    return html`
+      <button type="button" class="tool" aria-expanded=${isOpen} aria-controls="layer-menu"
+              onClick=${() => this.setState({ isOpen: !isOpen })}>Layers</button>
+      ${isOpen && html`<fieldset class="layer-menu" id="layer-menu"
+          onKeyDown=${(/** @type {KeyboardEvent} */ event) => event.key === "Escape" && this.setState({ isOpen: false })}>
+        <legend class="unseen">Layers of the plan</legend>
+        ${Object.entries(LAYERS).map(([name, [label]]) => html`
+          <label><input type="checkbox" name=${name} checked=${store.layers[name]} onChange=${() => {
+            store.layers[name] = !store.layers[name];
+            store.keepPreferences();
+          }} /><span>${label}</span></label>`)}
+      </fieldset>`}`;
+  }
+}
+
+/** Says what is going on while the plan has nothing to show. @param {{store: Store}} props */
+function PlanWords({ store }) {
+  const { state, reason } = store.connection;
+  if (state === "none") {
+    return html`<${Words} title="No mission yet">
+      Run <code>make run</code> for a demonstration with four robots, or send in robots through the API.
+      This page opens the mission as soon as it is there.<//>`;
+  }
+  if (state === "failed") {
+    return html`<${Words} title="This mission cannot be shown">${reason} Choose another mission above.<//>`;
+  }
+  if (!store.mission) {
+    return html`<${Words} title="Loading the mission" isBusy=${true}>${reason || "Asking the server for its state."}<//>`;
+  }
+  if (store.robots.size === 0) {
+    return html`<${Words} title="Waiting for robots">
+      The mission is open; no robot has joined it yet.<//>`;
+  }
+  if (!store.map && [...store.robots.values()].every((robot) => robot.heard_unix_s == null)) {
+    return html`<${Words} title="Waiting for the first observation" isBusy=${true}>
+      ${store.robots.size === 1 ? "One robot has" : `${store.robots.size} robots have`} joined and not yet reported.<//>`;
+  }
+  return null;
+}
+
+/** @param {{title: string, isBusy?: boolean, children?: unknown}} props */
+function Words({ title, isBusy, children }) {
+  return html`<div class="words" role="status">
+    ${isBusy && html`<i class="busy" aria-hidden="true"></i>`}<strong>${title}</strong><p>${children}</p></div>`;
+}

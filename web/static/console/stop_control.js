@@ -1,0 +1,105 @@
+/** STOP and RESUME: orders that are sent until the server confirms them, and that say so meanwhile. */
+
+import { missionPath, request } from "./api.js";
+
+/** @import {Store} from "./store.js" */
+
+const ALL = "*";
+const RETRY_MS = 1000;
+const BY = "operator";
+
+export class StopControl {
+  /** @param {Store} store */
+  constructor(store) {
+    this.store = store;
+    /** Orders under way: robot id or "*" -> what is wanted and how often it was sent. */
+    this.pending = /** @type {Map<string, {order: "stop" | "resume", tries: number, error: string}>} */ (new Map());
+    /** Robots, or "*", that are asked a second time before they resume. */
+    this.asked = /** @type {Map<string, number>} */ (new Map());
+  }
+
+  /** @param {string} [robotId] all robots when left out */
+  stop(robotId = ALL) {
+    if (this.pending.get(robotId)?.order === "stop") return;
+    this.asked.clear();
+    this.#send(robotId, "stop");
+  }
+
+  /**
+   * Resuming takes two presses: the first only asks.
+   * @param {string} [robotId] all robots when left out
+   */
+  resume(robotId = ALL) {
+    if (this.pending.has(robotId)) return;
+    if (!this.asked.has(robotId)) {
+      this.asked.set(robotId, setTimeout(() => {
+        this.asked.delete(robotId);
+        this.store.changed();
+      }, 5000));
+      this.store.changed();
+      return;
+    }
+    clearTimeout(this.asked.get(robotId));
+    this.asked.delete(robotId);
+    this.#send(robotId, "resume");
+  }
+
+  /**
+   * @param {string} key
+   * @param {"stop" | "resume"} order
+   */
+  async #send(key, order) {
+    const { store } = this;
+    const { missionId } = store;
+    if (!missionId) return;
+    const mine = { order, tries: 0, error: "" };
+    this.pending.set(key, mine);
+    const isCurrent = () => this.pending.get(key) === mine && store.missionId === missionId;
+    while (isCurrent()) {
+      mine.tries += 1;
+      store.changed();
+      try {
+        await request("POST", `${missionPath(missionId)}/${order}`, { robots: key === ALL ? null : [key], by: BY });
+        break;
+      } catch (error) {
+        mine.error = /** @type {Error} */ (error).message;
+        if (order === "resume") {
+          store.notify(`${key === ALL ? "The robots were" : `${key} was`} not resumed. ${mine.error}`);
+          break;
+        }
+        store.notify(
+          `STOP for ${key === ALL ? "all robots" : key} is NOT confirmed. ${mine.error} It is being sent again.`,
+          "alarm");
+        store.changed();
+        await new Promise((resolve) => setTimeout(resolve, RETRY_MS));
+      }
+    }
+    if (this.pending.get(key) === mine) this.pending.delete(key);
+    store.changed();
+  }
+
+  /**
+   * What the operator should know about one robot's STOP.
+   * @param {import("./types.js").Robot} robot
+   * @returns {"free" | "sending" | "unconfirmed" | "ordered" | "braking" | "stopped"}
+   */
+  stateOf(robot) {
+    if (robot.stopped) {
+      if (this.store.linkOf(robot).link !== "live") return "ordered"; // the robot itself was not heard since
+      return Math.abs(robot.speed_mps ?? 0) > 0.03 ? "braking" : "stopped";
+    }
+    const pending = this.pending.get(robot.robot_id) ?? this.pending.get(ALL);
+    if (pending?.order !== "stop") return "free";
+    return pending.tries > 1 ? "unconfirmed" : "sending";
+  }
+
+  /** @returns {{order: "stop" | "resume", tries: number, error: string} | undefined} order for all, under way */
+  get pendingAll() {
+    return this.pending.get(ALL);
+  }
+
+  /** @param {string} [robotId] */
+  isAsked(robotId = ALL) {
+    return this.asked.has(robotId);
+  }
+}

@@ -1,0 +1,182 @@
+/** All that the page knows: the mission's board, the connection, and what the operator has chosen. */
+
+/** @import {Annotation, ConnectionState, MapInfo, Mission, MissionEvent, Robot, Tag, Trail, Victim} from "./types.js" */
+
+const PREFERENCES = "waymark.console";
+const LATE_AFTER_S = 3;
+const LOST_AFTER_S = 10;
+
+/** Layers of the plan: name on screen and whether shown at first. */
+export const LAYERS = /** @type {const} */ ({
+  map: ["Building", true],
+  grid: ["Metre grid", true],
+  trails: ["Trails", true],
+  tags: ["Tags", true],
+  links: ["Links between tags", true],
+  uncertainty: ["Uncertainty (2σ)", true],
+  plans: ["Plan of selected robot", true],
+  victims: ["Victims", true],
+  notes: ["Notes and hazards", true],
+});
+
+export class Store {
+  constructor() {
+    /** @type {Mission[]} */
+    this.missions = [];
+    /** @type {string | null} */
+    this.missionId = null;
+    /** @type {{state: ConnectionState, heardAt: number, attempt: number, retryAt: number, reason: string}} */
+    this.connection = { state: "loading", heardAt: Date.now(), attempt: 0, retryAt: 0, reason: "" };
+    /** Difference between the server's clock and ours, in seconds. */
+    this.clockOffset_s = 0;
+    /** @type {{kind: "robot" | "victim", id: string} | null} */
+    this.selected = null;
+    /** @type {Map<number, {text: string, level: "warning" | "alarm"}>} */
+    this.notices = new Map();
+    this.exploredM2 = 0;
+    const kept = readPreferences();
+    /** @type {Record<string, boolean>} */
+    this.layers = Object.fromEntries(
+      Object.entries(LAYERS).map(([name, [, shown]]) => [name, kept.layers?.[name] ?? shown]),
+    );
+    /** @type {"plan" | "both" | "scene"} */
+    this.view = kept.view ?? (innerWidth >= 1400 ? "both" : "plan");
+    if (innerWidth < 900) this.view = "plan"; // a phone loads the 3D scene only when it is asked for
+    this.split = kept.split ?? 0.58;
+    this.tab = "robots";
+    /** @type {Set<() => void>} */
+    this.listeners = new Set();
+    this.frame = 0;
+    this.noticeCount = 0;
+    this.clearBoard();
+  }
+
+  clearBoard() {
+    /** @type {Mission | null} */
+    this.mission = null;
+    /** @type {Map<string, Robot>} */
+    this.robots = new Map();
+    /** @type {Map<string, Trail>} */
+    this.trails = new Map();
+    /** @type {Map<string, Tag>} */
+    this.tags = new Map();
+    /** @type {Map<string, Victim>} */
+    this.victims = new Map();
+    /** @type {Map<string, Annotation>} */
+    this.annotations = new Map();
+    /** @type {Map<string, MissionEvent>} */
+    this.events = new Map();
+    /** @type {[string, string][]} */
+    this.links = [];
+    /** @type {MapInfo | null} */
+    this.map = null;
+  }
+
+  /** @param {() => void} listener called after changes, at most once a frame */
+  subscribe(listener) {
+    this.listeners.add(listener);
+  }
+
+  changed() {
+    if (this.frame) return;
+    const tell = () => {
+      this.frame = 0;
+      for (const listener of this.listeners) listener();
+    };
+    // A hidden page gets no frames, but its title and its alarms must go on.
+    this.frame = document.hidden ? setTimeout(tell, 250) : requestAnimationFrame(tell);
+  }
+
+  /**
+   * @param {Record<string, any>} set board keys and their new values
+   * @param {string[]} deleted board keys that are gone
+   */
+  apply(set, deleted) {
+    for (const [key, value] of Object.entries(set)) this.#put(key, value);
+    for (const key of deleted) this.#put(key, null);
+    this.changed();
+  }
+
+  /**
+   * @param {string} key
+   * @param {any} value null when the key is gone
+   */
+  #put(key, value) {
+    const slash = key.indexOf("/");
+    const [kind, id] = slash < 0 ? [key, ""] : [key.slice(0, slash), key.slice(slash + 1)];
+    /** @type {Record<string, Map<string, any>>} */
+    const keyed = {
+      robot: this.robots, trail: this.trails, tag: this.tags, victim: this.victims, annotation: this.annotations,
+      event: this.events,
+    };
+    if (kind in keyed) {
+      if (value === null) keyed[kind].delete(id);
+      else keyed[kind].set(id, value);
+    } else if (kind === "mission") this.mission = value;
+    else if (kind === "links") this.links = value?.pairs ?? [];
+    else if (kind === "map") this.map = value;
+  }
+
+  /** Time on the server's clock, seconds since 1970. */
+  serverNow() {
+    return Date.now() / 1000 + this.clockOffset_s;
+  }
+
+  /** Robots in the order of their names, r2 before r10. */
+  robotList() {
+    return [...this.robots.values()].sort((a, b) => a.robot_id.localeCompare(b.robot_id, "en", { numeric: true }));
+  }
+
+  /**
+   * Seconds since the robot was last heard, and how good its link is: the worse of what the server says and what the
+   * age says, for when our own stream is stale nobody tells us that a robot went quiet.
+   * @param {Robot} robot
+   */
+  linkOf(robot) {
+    const age_s = robot.heard_unix_s == null ? null : Math.max(0, this.serverNow() - robot.heard_unix_s);
+    const isLost = robot.link === "lost" || (age_s !== null && age_s > LOST_AFTER_S);
+    const isLate = robot.link === "late" || (age_s !== null && age_s > LATE_AFTER_S);
+    return { link: isLost ? "lost" : isLate ? "late" : robot.link, age_s };
+  }
+
+  /** @param {{kind: "robot" | "victim", id: string} | null} selected */
+  select(selected) {
+    this.selected = selected;
+    this.changed();
+  }
+
+  /** @param {string} id */
+  isSelectedRobot(id) {
+    return this.selected?.kind === "robot" && this.selected.id === id;
+  }
+
+  /**
+   * @param {string} text
+   * @param {"warning" | "alarm"} level
+   */
+  notify(text, level = "warning") {
+    if ([...this.notices.values()].some((notice) => notice.text === text)) return;
+    this.notices.set(++this.noticeCount, { text, level });
+    if (this.notices.size > 4) this.notices.delete(/** @type {number} */ (this.notices.keys().next().value));
+    this.changed();
+  }
+
+  /** Keep layers, view and split for the next visit. */
+  keepPreferences() {
+    try {
+      localStorage.setItem(
+        PREFERENCES, JSON.stringify({ layers: this.layers, view: this.view, split: this.split }));
+    } catch {
+      // Private browsing may forbid it; the page works without.
+    }
+    this.changed();
+  }
+}
+
+function readPreferences() {
+  try {
+    return JSON.parse(localStorage.getItem(PREFERENCES) ?? "{}") ?? {};
+  } catch {
+    return {};
+  }
+}

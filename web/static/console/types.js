@@ -1,0 +1,24 @@
+/**
+ * The values of the board, as they come over the wire. Types only.
+ *
+ * @typedef {{mission_id: string, name: string, state: string, created_unix_s: number, clock_s?: number | null,
+ *   stopped_all?: boolean}} Mission
+ * @typedef {{robot_id: string, x_m: number, y_m: number, yaw_rad: number, covariance: number[], stamp_s: number,
+ *   heard_unix_s: number | null, activity: string, reason: string, battery: number | null, tags_left: number | null,
+ *   agent: string, stopped: boolean, link: "live" | "late" | "lost", slipping: boolean, located: boolean,
+ *   explored_m2: number, distance_m: number, goal_m: [number, number] | null, path_m: [number, number][],
+ *   speed_mps: number | null}} Robot
+ * @typedef {{robot_id: string, points_m: [number, number][]}} Trail
+ * @typedef {{tag_id: string, x_m: number, y_m: number, covariance: number[], sightings: number,
+ *   robots: string[]}} Tag
+ * @typedef {{victim_id: string, x_m: number, y_m: number, covariance: number[], confidence: number, status: string,
+ *   sightings: number, robots: string[], note?: string | null}} Victim
+ * @typedef {{annotation_id?: string, kind: string, text: string, x_m?: number | null, y_m?: number | null,
+ *   tag_id?: string | null, by?: string}} Annotation
+ * @typedef {{version: number, width: number, height: number, resolution_m: number, origin_m: [number, number],
+ *   png: string}} MapInfo
+ * @typedef {{event_id: number, unix_s: number, kind: string, text: string, robot_id?: string | null,
+ *   severity: "info" | "warning" | "alarm"}} MissionEvent
+ * @typedef {"loading" | "live" | "reconnecting" | "stale" | "none" | "failed"} ConnectionState
+ */
+export {};

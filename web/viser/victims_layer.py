@@ -1,0 +1,36 @@
+"""Victims: a tall pin that shows over the walls, coloured by status, with its name."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import viser
+
+from web.viser.colors import SILENT, VICTIM_COLORS
+
+_PIN_M = 2.2
+
+
+class VictimsLayer:
+    """Draws each victim."""
+
+    def __init__(self, server: viser.ViserServer):
+        self._scene = server.scene
+        self._names: dict[str, str] = {}
+
+    def put(self, victim_id: str, victim: dict[str, Any] | None) -> None:
+        """Draw a victim of the board, or remove it."""
+        name = self._names.setdefault(victim_id, f"/victims/{len(self._names) + 1}")
+        if victim is None:
+            self._scene.remove_by_name(name)
+            return
+        color = VICTIM_COLORS.get(victim["status"], SILENT)
+        self._scene.add_frame(name, show_axes=False, position=(victim["x_m"], victim["y_m"], 0.0))
+        self._scene.add_cylinder(
+            f"{name}/pole", 0.04, _PIN_M, color, position=(0.0, 0.0, _PIN_M / 2.0), cast_shadow=False
+        )
+        self._scene.add_icosphere(
+            f"{name}/head", 0.26, color, position=(0.0, 0.0, _PIN_M), cast_shadow=False, receive_shadow=False
+        )
+        label = f"{victim_id}  {victim['confidence']:.0%}"
+        self._scene.add_label(f"{name}/label", label, position=(0.0, 0.0, _PIN_M + 0.6))
