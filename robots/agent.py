@@ -1,7 +1,9 @@
 """The agent: the algorithm of Kleiner 2006, one observation at a time.
 
-``RobotAgent.step`` reads like the paper: predict from wheels and inertial unit, match the scan, fuse, map, handle tags, look for victims,
-decide where to go, drop tags, answer with a command. It is a function of the configuration and the log, nothing else.
+``RobotAgent.step`` reads like the paper: predict from wheels and inertial unit, match the scan, fuse, map,
+handle tags, look for victims,
+decide where to go, drop tags, answer with a command. It is a function of the configuration and the log,
+nothing else.
 """
 
 from __future__ import annotations
@@ -58,12 +60,17 @@ class RobotAgent:
         """Take in one observation and answer with the estimate and the next command.
 
         Raises:
-            ObservationError: sequence number or stamp out of order, or a value that is not finite; nothing has changed then.
+            ObservationError: sequence number or stamp out of order, or a value that is not finite; nothing
+            has changed then.
         """
         self._check(observation)
-        odometry = observation.odometry if self._last is not None else None  # what came before is not part of the map
+        odometry = (
+            observation.odometry if self._last is not None else None
+        )  # what came before is not part of the map
         tracker, graph = self._start(observation)
-        slipping = observation.bumper  # pressed against something, the wheels turn on the spot
+        slipping = (
+            observation.bumper and self.config.poses == "slam"
+        )  # pressed against something, the wheels turn on the spot
         tracker.predict(observation.stamp_s, odometry, observation.imu, slipping)  # (1), (2)
         if observation.scan is not None:
             tracker.match(observation.scan)  # (3), (4)
@@ -82,7 +89,10 @@ class RobotAgent:
             drop = self._drop(observation, pose, graph)
         writes = tuple(self._writes(sighting, pose, graph) for sighting in passed)
         command = Command(
-            self._decision.linear_mps, self._decision.angular_radps, drop, tuple(w for w in writes if w is not None)
+            self._decision.linear_mps,
+            self._decision.angular_radps,
+            drop,
+            tuple(w for w in writes if w is not None),
         )
         self._last = observation
         self._update = self._report(observation, tracker, graph, command, slipping, bool(passed))
@@ -123,7 +133,9 @@ class RobotAgent:
         if not isfinite(observation.stamp_s):
             raise ObservationError("stamp_s is not finite")
         if last is not None and observation.stamp_s < last.stamp_s:
-            raise ObservationError(f"stamp_s {observation.stamp_s} lies before {last.stamp_s} of seq {last.seq}")
+            raise ObservationError(
+                f"stamp_s {observation.stamp_s} lies before {last.stamp_s} of seq {last.seq}"
+            )
         odometry = observation.odometry
         if odometry is not None:
             for name in odometry.__slots__:
@@ -147,7 +159,9 @@ class RobotAgent:
     def _pass_tags(
         self, observation: Observation, tracker: PoseTracker, graph: TagGraph
     ) -> tuple[TagSighting, ...]:
-        """Restart the filter at a tag, keep the displacement as an edge, and solve the graph when the tag was known."""
+        """Restart the filter at a tag, keep the displacement as an edge, and solve the graph when the tag
+        was known.
+        """
         fresh = tuple(s for s in observation.tag_sightings if self._is_new_pass(s.tag_id, tracker.distance_m))
         overdue = tracker.distance_m - self._anchor_driven_m > self.config.mapping.submap_travel_m
         if not fresh and not overdue:
@@ -175,9 +189,16 @@ class RobotAgent:
     def _decide(self, observation: Observation, pose: Pose2) -> Decision:
         unseen = observation.bumper and self._decision.linear_mps > 0.0 and self._tracker is not None
         if unseen and self._tracker is not None:
-            self._maps.add_obstacle(self._tracker.local_from_base, self.config.body.radius_m, observation.scan)
+            self._maps.add_obstacle(
+                self._tracker.local_from_base, self.config.body.radius_m, observation.scan
+            )
         return self._explorer.decide(
-            observation.stamp_s, pose, self._maps.fused, observation.scan, observation.bumper, observation.held
+            observation.stamp_s,
+            pose,
+            self._maps.fused,
+            observation.scan,
+            observation.bumper,
+            observation.held,
         )
 
     def _drop(self, observation: Observation, pose: Pose2, graph: TagGraph) -> bool:
@@ -188,7 +209,9 @@ class RobotAgent:
         return self._dropper.should_drop(self._tracker.distance_m, pose, self._maps.fused, places)
 
     def _writes(self, sighting: TagSighting, pose: Pose2, graph: TagGraph) -> TagWrite | None:
-        """Leave in the tag what is known round it, merged with what it said; needs a compass for its frame."""
+        """Leave in the tag what is known round it, merged with what it said; needs a compass for its
+        frame.
+        """
         if self._last is None or self._last.imu is None:
             return None
         grid = plan_grid(
@@ -239,7 +262,9 @@ class RobotAgent:
 
 
 def merge_commands(updates: Sequence[AgentUpdate]) -> Command:
-    """Return one command for a batch: the last velocities, every write, and a tag to drop if any asked for one."""
+    """Return one command for a batch: the last velocities, every write, and a tag to drop if any asked for
+    one.
+    """
     last = updates[-1].command
     writes = tuple(write for update in updates for write in update.command.writes)
     return replace(last, drop_tag=any(update.command.drop_tag for update in updates), writes=writes)

@@ -1,6 +1,8 @@
-"""Values of ``robots.types`` to bytes and back, exactly: for the observation log, agent processes and snapshots.
+"""Values of ``robots.types`` to bytes and back, exactly: for the observation log, agent processes and
+snapshots.
 
-JSON with a class name beside each dataclass and arrays as base64 of their little-endian bytes, so floats survive bit
+JSON with a class name beside each dataclass and arrays as base64 of their little-endian bytes, so floats
+survive bit
 for bit. Only the classes listed here are ever built, whatever the bytes say.
 """
 
@@ -14,12 +16,13 @@ from typing import Any, TypeVar
 import numpy as np
 
 from robots import config, se2, types
+from robots.team import types as team_types
 
 T = TypeVar("T")
 
 _CLASSES: dict[str, type[Any]] = {
     cls.__name__: cls
-    for module in (se2, types, config)
+    for module in (se2, types, config, team_types)
     for cls in vars(module).values()
     if isinstance(cls, type) and is_dataclass(cls) and cls.__module__ == module.__name__
 }

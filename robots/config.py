@@ -1,4 +1,6 @@
-"""Settings of an agent: nested, SI units, defaults that work; derived values are properties beside what they derive from."""
+"""Settings of an agent: nested, SI units, defaults that work; derived values are properties beside what
+they derive from.
+"""
 
 from __future__ import annotations
 
@@ -25,7 +27,9 @@ class BodyConfig:
 
 @dataclass(frozen=True, slots=True)
 class AntennaConfig:
-    """The tag reader under the robot: a plate along and across the heading, or a disc where ``radius_m`` is given."""
+    """The tag reader under the robot: a plate along and across the heading, or a disc where ``radius_m`` is
+    given.
+    """
 
     ahead_m: float = 0.0  # centre of the antenna, ahead of the base
     along_m: float = 0.03
@@ -34,7 +38,9 @@ class AntennaConfig:
 
     @property
     def variances(self) -> tuple[float, float]:
-        """Variance along and across the heading of a tag somewhere under the antenna, uniformly (DESIGN: footprint)."""
+        """Variance along and across the heading of a tag somewhere under the antenna, uniformly (DESIGN:
+        footprint).
+        """
         if self.radius_m is not None:
             return self.radius_m**2 / 4.0, self.radius_m**2 / 4.0
         return self.along_m**2 / 12.0, self.across_m**2 / 12.0
@@ -42,7 +48,9 @@ class AntennaConfig:
 
 @dataclass(frozen=True, slots=True)
 class OdometryConfig:
-    """Noise of the wheels (Kleiner 2006 Sigma_u): standard deviations that grow with the square root of the motion."""
+    """Noise of the wheels (Kleiner 2006 Sigma_u): standard deviations that grow with the square root of the
+    motion.
+    """
 
     distance_sd_per_sqrt_m: float = 0.10
     turn_sd_per_sqrt_m: float = 0.05
@@ -139,7 +147,9 @@ class PlanningConfig:
 
 @dataclass(frozen=True, slots=True)
 class AgentConfig:
-    """Everything an agent is told before its first observation. The same config, seed and log give the same updates."""
+    """Everything an agent is told before its first observation. The same config, seed and log give the same
+    updates.
+    """
 
     body: BodyConfig = field(default_factory=BodyConfig)
     antenna: AntennaConfig = field(default_factory=AntennaConfig)

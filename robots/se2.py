@@ -1,14 +1,15 @@
 """Planar poses (the group SE(2)) and how covariance travels through their composition.
 
 Frames stand in names: ``world_from_base @ base_from_laser = world_from_laser``, adjacent frames cancel.
-Angles are counter-clockwise radians in (-pi, pi]. Covariances are (3, 3) in the order x, y, theta, additive on the
+Angles are counter-clockwise radians in (-pi, pi]. Covariances are (3, 3) in the order x, y, theta, additive
+on the
 components of the pose in its parent frame, as in Kleiner 2006 eq. (2).
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import atan2, cos, hypot, pi, sin
+from math import cos, hypot, pi, sin
 from typing import Self
 
 import numpy as np
@@ -116,7 +117,9 @@ def compose_jacobians(a_from_b: Pose2, b_from_c: Pose2) -> tuple[Array, Array]:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class GaussianPose:
-    """A pose with its uncertainty: mean and covariance, (3, 3), order x, y, theta, both in the parent frame."""
+    """A pose with its uncertainty: mean and covariance, (3, 3), order x, y, theta, both in the parent
+    frame.
+    """
 
     mean: Pose2
     covariance: Array

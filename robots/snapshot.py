@@ -1,6 +1,7 @@
 """An agent's state as bytes and back: the crash recovery beside the log.
 
-A snapshot is a pickle that may name nothing but this package's classes, numpy's arrays and generators, and plain containers, so a damaged or
+A snapshot is a pickle that may name nothing but this package's classes, numpy's arrays and generators, and
+plain containers, so a damaged or
 foreign file can fail but not run code.
 """
 
@@ -16,7 +17,18 @@ T = TypeVar("T")
 _HEADER = b"waymark-1"
 _PLAIN = {
     ("builtins", name)
-    for name in ("set", "frozenset", "list", "dict", "tuple", "bytearray", "complex", "slice", "range", "object")
+    for name in (
+        "set",
+        "frozenset",
+        "list",
+        "dict",
+        "tuple",
+        "bytearray",
+        "complex",
+        "slice",
+        "range",
+        "object",
+    )
 } | {
     ("collections", "deque"),
     ("collections", "OrderedDict"),

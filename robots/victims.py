@@ -1,4 +1,6 @@
-"""From heat readings to victims: readings of one place are one victim, a lone reading is a false alarm until confirmed."""
+"""From heat readings to victims: readings of one place are one victim, a lone reading is a false alarm
+until confirmed.
+"""
 
 from __future__ import annotations
 

@@ -1,11 +1,15 @@
-"""The tag graph: globally consistent poses and tags from relative measurements (Lu and Milios 1997; Kleiner 2006 eq. 5).
+"""The tag graph: globally consistent poses and tags from relative measurements (Lu and Milios 1997; Kleiner
+2006 eq. 5).
 
-Vertices are sighting poses (SE(2)) and tag points (2D). Factors: *edges*, the measured pose of vertex j in the frame of i; *sightings*, a tag
-under the antenna of pose i; *headings* from the inertial unit; *priors* that hold a vertex in place. ``solve`` minimises
+Vertices are sighting poses (SE(2)) and tag points (2D). Factors: *edges*, the measured pose of vertex j in
+the frame of i; *sightings*, a tag
+under the antenna of pose i; *headings* from the inertial unit; *priors* that hold a vertex in place.
+``solve`` minimises
 
     W = sum e' Sigma^-1 e                                                                            (eq. 5)
 
-by Gauss-Newton on a sparse factorisation, or linearly with the headings held fixed, as the paper does with its compass.
+by Gauss-Newton on a sparse factorisation, or linearly with the headings held fixed, as the paper does with
+its compass.
 """
 
 from __future__ import annotations
@@ -46,9 +50,12 @@ def _empty(*shape: int) -> Array:
 class GraphProblem:
     """Arrays of a tag graph in one frame; information matrices are inverse covariances.
 
-    ``poses`` (n, 3), ``tags`` (m, 2) initial values; ``edge_pairs`` (k, 2), ``edge_poses`` (k, 3), ``edge_covariances`` (k, 3, 3);
-    ``sighting_pairs`` (s, 2) pose and tag, ``sighting_offsets`` (s, 2), ``sighting_covariances`` (s, 2, 2) in the base frame;
-    ``heading_index`` (h,), ``heading_rad`` (h,), ``heading_sd_rad`` (h,); ``prior_index`` (p,), ``prior_poses`` (p, 3),
+    ``poses`` (n, 3), ``tags`` (m, 2) initial values; ``edge_pairs`` (k, 2), ``edge_poses`` (k, 3),
+    ``edge_covariances`` (k, 3, 3);
+    ``sighting_pairs`` (s, 2) pose and tag, ``sighting_offsets`` (s, 2), ``sighting_covariances`` (s, 2, 2)
+    in the base frame;
+    ``heading_index`` (h,), ``heading_rad`` (h,), ``heading_sd_rad`` (h,); ``prior_index`` (p,),
+    ``prior_poses`` (p, 3),
     ``prior_sds`` (p, 3).
     """
 
@@ -91,7 +98,8 @@ class GraphSolution:
 class NormalEquations:
     """The sparse normal matrix of a graph. Its pattern is made once and kept, explicit zeros included.
 
-    (qdldl's ``update`` must see the same pattern each time, or it converges to a wrong solution without a word.)
+    (qdldl's ``update`` must see the same pattern each time, or it converges to a wrong solution without a
+    word.)
     """
 
     def __init__(self, problem: GraphProblem) -> None:
@@ -106,11 +114,15 @@ class NormalEquations:
         )  # (s, 5)
         self.edge_variables, self.seen_variables = edge_variables, seen_variables
         diagonal = np.arange(self.size)
-        rows = [np.repeat(v, v.shape[1], axis=1).ravel() for v in (edge_variables, seen_variables)] + [diagonal]
+        rows = [np.repeat(v, v.shape[1], axis=1).ravel() for v in (edge_variables, seen_variables)] + [
+            diagonal
+        ]
         columns = [np.tile(v, (1, v.shape[1])).ravel() for v in (edge_variables, seen_variables)] + [diagonal]
         row, column = np.concatenate(rows), np.concatenate(columns)
         self._upper = row <= column
-        flat = column[self._upper] * np.int64(self.size) + row[self._upper]  # column-major order: as CSC stores
+        flat = (
+            column[self._upper] * np.int64(self.size) + row[self._upper]
+        )  # column-major order: as CSC stores
         unique, self._place = np.unique(flat, return_inverse=True)
         self._indices = (unique % self.size).astype(np.int32)
         counts = np.bincount(unique // self.size, minlength=self.size)
@@ -150,11 +162,13 @@ def solve(
 ) -> GraphSolution:
     """Return the poses and tags that minimise eq. (5).
 
-    Sightings beyond ``kernel_sd`` deviations lose weight (Huber). The linear form keeps every heading as given and weighs
+    Sightings beyond ``kernel_sd`` deviations lose weight (Huber). The linear form keeps every heading as
+    given and weighs
     displacements with the 2 x 2 covariance of the positions.
 
     Raises:
-        GraphError: a value is not finite, a covariance is not positive definite, an index does not exist, or nothing holds the graph.
+        GraphError: a value is not finite, a covariance is not positive definite, an index does not exist,
+        or nothing holds the graph.
     """
     _check(problem)
     linear = method == "linear"
@@ -165,7 +179,9 @@ def solve(
     chi2 = chi2_initial = _chi2(problem, poses, tags, edge_information, sighting_information, kernel_sd)
     iterations = 0
     for iterations in range(1, (1 if linear else max_iterations) + 1):  # noqa: B007 - reported
-        step = _step(problem, poses, tags, edge_information, sighting_information, kernel_sd, linear, equations)
+        step = _step(
+            problem, poses, tags, edge_information, sighting_information, kernel_sd, linear, equations
+        )
         for _ in range(_MAX_HALVINGS):
             new_poses, new_tags = _apply(poses, tags, step)
             new_chi2 = _chi2(problem, new_poses, new_tags, edge_information, sighting_information, kernel_sd)
@@ -195,11 +211,15 @@ def _step(
     prior_at = 3 * problem.prior_index[:, None] + np.arange(3)
     weights = problem.prior_sds**-2.0
     np.add.at(diagonal, prior_at, weights)
-    np.add.at(gradient, prior_at, weights * pose_prior_errors(poses, problem.prior_index, problem.prior_poses))
+    np.add.at(
+        gradient, prior_at, weights * pose_prior_errors(poses, problem.prior_index, problem.prior_poses)
+    )
     heading_at = 3 * problem.heading_index + 2
     weight = problem.heading_sd_rad**-2.0
     np.add.at(diagonal, heading_at, weight)
-    np.add.at(gradient, heading_at, weight * heading_errors(poses, problem.heading_index, problem.heading_rad))
+    np.add.at(
+        gradient, heading_at, weight * heading_errors(poses, problem.heading_index, problem.heading_rad)
+    )
     if linear:  # headings are given: they neither move nor pull
         at = 3 * np.arange(len(poses)) + 2
         diagonal[at], gradient[at] = 1.0, 0.0
@@ -225,7 +245,12 @@ def _edge_information(problem: GraphProblem, linear: bool) -> Array:
 
 
 def _chi2(
-    problem: GraphProblem, poses: Array, tags: Array, edge_information: Array, sighting_information: Array, kernel_sd: float
+    problem: GraphProblem,
+    poses: Array,
+    tags: Array,
+    edge_information: Array,
+    sighting_information: Array,
+    kernel_sd: float,
 ) -> float:
     total = edge_chi2(edge_errors(poses, problem.edge_pairs, problem.edge_poses), edge_information)
     errors = sighting_errors(poses, tags, problem.sighting_pairs, problem.sighting_offsets)
@@ -239,7 +264,14 @@ def _chi2(
 
 def _check(problem: GraphProblem) -> None:
     n, m = len(problem.poses), len(problem.tags)
-    for name in ("poses", "tags", "edge_poses", "edge_covariances", "sighting_offsets", "sighting_covariances"):
+    for name in (
+        "poses",
+        "tags",
+        "edge_poses",
+        "edge_covariances",
+        "sighting_offsets",
+        "sighting_covariances",
+    ):
         if not np.isfinite(getattr(problem, name)).all():
             raise GraphError(f"{name} holds a value that is not finite")
     pairs: list[tuple[str, NDArray[np.int64], int]] = [

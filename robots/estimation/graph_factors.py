@@ -1,4 +1,6 @@
-"""Errors and normal-equation blocks of the tag graph's factors, each written once. Poses (n, 3), tags (m, 2)."""
+"""Errors and normal-equation blocks of the tag graph's factors, each written once. Poses (n, 3), tags (m,
+2).
+"""
 
 from __future__ import annotations
 
@@ -33,7 +35,9 @@ def edge_chi2(errors: Array, information: Array) -> float:
 
 @njit(cache=True)
 def edge_jacobian(pose_i: Array, pose_j: Array, linear: bool) -> Array:
-    """Return the Jacobian (3, 6) of an edge's error by pose i and pose j; headings held fixed where ``linear``."""
+    """Return the Jacobian (3, 6) of an edge's error by pose i and pose j; headings held fixed where
+    ``linear``.
+    """
     c, s = cos(pose_i[2]), sin(pose_i[2])
     dx, dy = pose_j[0] - pose_i[0], pose_j[1] - pose_i[1]
     jacobian = np.zeros((3, 6))
@@ -89,15 +93,26 @@ def sighting_jacobian(pose: Array, tag: Array, linear: bool) -> Array:
 
 @njit(cache=True)
 def sighting_blocks(
-    poses: Array, tags: Array, pairs: IntArray, offsets: Array, information: Array, kernel_sd: float, linear: bool
+    poses: Array,
+    tags: Array,
+    pairs: IntArray,
+    offsets: Array,
+    information: Array,
+    kernel_sd: float,
+    linear: bool,
 ) -> tuple[Array, Array]:
-    """Return w J' Omega J (s, 5, 5) and w J' Omega e (s, 5); w = kernel / |e| beyond the Huber kernel, else 1."""
+    """Return w J' Omega J (s, 5, 5) and w J' Omega e (s, 5); w = kernel / |e| beyond the Huber kernel, else
+    1.
+    """
     errors = sighting_errors(poses, tags, pairs, offsets)
     hessians = np.empty((pairs.shape[0], 5, 5))
     gradients = np.empty((pairs.shape[0], 5))
     for k in range(pairs.shape[0]):
         e = errors[k]
-        norm = sqrt(e[0] * (information[k, 0, 0] * e[0] + 2.0 * information[k, 0, 1] * e[1]) + information[k, 1, 1] * e[1] * e[1])
+        norm = sqrt(
+            e[0] * (information[k, 0, 0] * e[0] + 2.0 * information[k, 0, 1] * e[1])
+            + information[k, 1, 1] * e[1] * e[1]
+        )
         weight = 1.0 if norm <= kernel_sd else kernel_sd / norm
         jacobian = sighting_jacobian(poses[pairs[k, 0]], tags[pairs[k, 1]], linear)
         weighted = weight * (jacobian.T @ information[k])

@@ -1,6 +1,8 @@
-"""The local map a scan is matched against: surface points of the most recent scans, found by a nearest-point index.
+"""The local map a scan is matched against: surface points of the most recent scans, found by a
+nearest-point index.
 
-Kleiner 2006 section IV (after Hähnel 2004) keeps a local grid of the most recent scans. Here each cell of that grid knows the nearest
+Kleiner 2006 section IV (after Hähnel 2004) keeps a local grid of the most recent scans. Here each cell of
+that grid knows the nearest
 surface point with its normal, so the alignment is continuous and not bound to the cell size.
 """
 
@@ -35,7 +37,9 @@ class LocalMap:
         return len(self._scans)
 
     def insert(self, local_from_base: Pose2, points: Array, normals: Array) -> None:
-        """Add a scan, points and normals (n, 2) in the base frame; the oldest scan leaves when the map is full."""
+        """Add a scan, points and normals (n, 2) in the base frame; the oldest scan leaves when the map is
+        full.
+        """
         rotation = Pose2(0.0, 0.0, local_from_base.theta)
         self._scans.append((local_from_base.transform(points), rotation.transform(normals)))
         self._rebuild(local_from_base)
@@ -50,7 +54,10 @@ class LocalMap:
     def _rebuild(self, centre: Pose2) -> None:
         cells = 2 * int(np.ceil(self._half_width_m / CELL_M))
         self.origin = np.array(
-            [floor(centre.x / CELL_M) * CELL_M - cells / 2 * CELL_M, floor(centre.y / CELL_M) * CELL_M - cells / 2 * CELL_M]
+            [
+                floor(centre.x / CELL_M) * CELL_M - cells / 2 * CELL_M,
+                floor(centre.y / CELL_M) * CELL_M - cells / 2 * CELL_M,
+            ]
         )
         if self.index.shape != (cells, cells):
             self.index = np.empty((cells, cells), np.int32)

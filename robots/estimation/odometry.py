@@ -1,4 +1,5 @@
-"""Motion of the base between two observations, from whatever odometry the robot has (Kleiner 2006 eq. 1 and 2).
+"""Motion of the base between two observations, from whatever odometry the robot has (Kleiner 2006 eq. 1 and
+2).
 
 A motion is a Gaussian pose ``previous_from_base`` in the frame of the previous base.
 """
@@ -25,7 +26,8 @@ def motion_mean(odometry: Odometry | None, turn_rad: float | None, body: BodyCon
     """Return the mean motion ``previous_from_base``.
 
     Wheels follow an exact arc. (d, alpha) moves along the old heading and then turns, as eq. (1) is printed.
-    ``turn_rad`` is the turn measured by the inertial unit; where given it replaces the wheels' (Kleiner 2006).
+    ``turn_rad`` is the turn measured by the inertial unit; where given it replaces the wheels' (Kleiner
+    2006).
     """
     if odometry is None:
         return Pose2(0.0, 0.0, turn_rad or 0.0)
@@ -39,12 +41,19 @@ def motion_mean(odometry: Odometry | None, turn_rad: float | None, body: BodyCon
 
 
 def motion_covariance(
-    motion: Pose2, noise: OdometryConfig, wheel_arm_m: float, turn_sd_rad: float | None, slipping: bool = False
+    motion: Pose2,
+    noise: OdometryConfig,
+    wheel_arm_m: float,
+    turn_sd_rad: float | None,
+    slipping: bool = False,
 ) -> Array:
-    """Return Sigma_u of eq. (2) as (3, 3) in the previous base frame; variances grow linearly with the motion.
+    """Return Sigma_u of eq. (2) as (3, 3) in the previous base frame; variances grow linearly with the
+    motion.
 
-    ``wheel_arm_m`` is half the track width. ``turn_sd_rad`` is the deviation of a turn measured by the inertial unit, None where the wheels measured it.
-    While the wheels slip the travelled distance is uncertain by ``slip_sd_m`` more; the turn is not (Kleiner 2006).
+    ``wheel_arm_m`` is half the track width. ``turn_sd_rad`` is the deviation of a turn measured by the
+    inertial unit, None where the wheels measured it.
+    While the wheels slip the travelled distance is uncertain by ``slip_sd_m`` more; the turn is not
+    (Kleiner 2006).
     """
     distance = sqrt(motion.x**2 + motion.y**2)
     rolled = distance + abs(motion.theta) * wheel_arm_m  # wheels roll, and err, in turns on the spot too

@@ -1,7 +1,9 @@
 """Incremental scan matching: the pose that best aligns a scan with the local map of recent scans.
 
-Point-to-line ICP (Censi 2008) over the nearest-point index, with a correlative search (Olson 2009) over a coarse window
-where the plain start does not lead to a good alignment. The covariance is the Hessian's, scaled by the residuals.
+Point-to-line ICP (Censi 2008) over the nearest-point index, with a correlative search (Olson 2009) over a
+coarse window
+where the plain start does not lead to a good alignment. The covariance is the Hessian's, scaled by the
+residuals.
 """
 
 from __future__ import annotations
@@ -20,12 +22,15 @@ from robots.se2 import Array, GaussianPose, Pose2, wrap
 
 _ITERATIONS = 25
 _INLIER_M = 0.12
+_ILLUSION, _SOUND = 0.01, 0.05  # mean squared share of the normals along a direction: noise, and surely real
 _CORRELATED_POINTS = 6.0  # neighbouring beams share the map's errors: so many points count as one
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ScanMatch:
-    """An alignment: pose with covariance in the local frame, share of matched points, rms residual in metres."""
+    """An alignment: pose with covariance in the local frame, share of matched points, rms residual in
+    metres.
+    """
 
     pose: GaussianPose
     overlap: float
@@ -35,13 +40,25 @@ class ScanMatch:
 def match(local_map: LocalMap, scan: ScanPoints, guess: Pose2, config: ScanMatchConfig) -> ScanMatch | None:
     """Align a scan with the map, starting from ``guess`` (``local_from_base``).
 
-    None where the scan cannot be trusted: too many far readings, too few points, too little overlap with the map, or a correction
+    None where the scan cannot be trusted: too many far readings, too few points, too little overlap with
+    the map, or a correction
     larger than odometry can be wrong (Kleiner 2006: then the pose is updated by odometry only).
     """
-    if scan.far_fraction > config.max_far_fraction or len(scan.points) < config.min_points or not len(local_map):
+    if (
+        scan.far_fraction > config.max_far_fraction
+        or len(scan.points) < config.min_points
+        or not len(local_map)
+    ):
         return None
     start = guess.as_array()
-    arguments = (scan.points, scan.normals, local_map.points, local_map.normals, local_map.index, local_map.origin)
+    arguments = (
+        scan.points,
+        scan.normals,
+        local_map.points,
+        local_map.normals,
+        local_map.index,
+        local_map.origin,
+    )
     pose, hessian, overlap, rms = _icp(start, *arguments)
     if overlap < config.min_overlap or not _plausible(start, pose, config):
         coarse = _correlate(start, scan.points, local_map.points, local_map.index, local_map.origin)
@@ -51,8 +68,23 @@ def match(local_map: LocalMap, scan: ScanPoints, guess: Pose2, config: ScanMatch
     if overlap < config.min_overlap or not _plausible(start, pose, config):
         return None
     sd = max(config.point_sd_m, rms)
-    covariance = np.linalg.inv(hessian / (sd**2 * _CORRELATED_POINTS) + np.diag([1e-2, 1e-2, 1e-1]))
+    information = _without_illusions(hessian, len(scan.points)) / (sd**2 * _CORRELATED_POINTS)
+    covariance = np.linalg.inv(information + np.diag([1e-2, 1e-2, 1e-1]))
     return ScanMatch(GaussianPose(Pose2.from_array(pose), covariance), overlap, rms)
+
+
+def _without_illusions(hessian: Array, points: int) -> Array:
+    """Take back the information along a direction that hardly any surface faces.
+
+    In a bare corridor the scatter of the normals alone feigns information along it, and lets the scan stick
+    to the last ones.
+    """
+    share, directions = np.linalg.eigh(hessian[:2, :2] / max(points, 1))
+    keep = np.clip((share - _ILLUSION) / (_SOUND - _ILLUSION), 0.0, 1.0)
+    scale = np.eye(3)
+    scale[:2, :2] = directions @ np.diag(np.sqrt(keep)) @ directions.T
+    sound: Array = scale @ hessian @ scale
+    return sound
 
 
 def _plausible(start: Array, pose: Array, config: ScanMatchConfig) -> bool:
@@ -80,7 +112,9 @@ def _icp(
     index: NDArray[np.int32],
     origin: Array,
 ) -> tuple[Array, Array, float, float]:
-    """Return pose (3,), Hessian (3, 3) of the squared residuals in metres, share of inliers and their rms residual."""
+    """Return pose (3,), Hessian (3, 3) of the squared residuals in metres, share of inliers and their rms
+    residual.
+    """
     pose = start.copy()
     n = points.shape[0]
     hessian = np.zeros((3, 3))
@@ -141,9 +175,7 @@ def _icp(
 
 
 @njit(cache=True)
-def _accumulate(
-    hessian: Array, gradient: Array, jx: float, jy: float, jt: float, e: float, w: float
-) -> None:
+def _accumulate(hessian: Array, gradient: Array, jx: float, jy: float, jt: float, e: float, w: float) -> None:
     hessian[0, 0] += w * jx * jx
     hessian[0, 1] += w * jx * jy
     hessian[0, 2] += w * jx * jt

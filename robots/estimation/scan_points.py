@@ -13,6 +13,7 @@ from robots.se2 import Array
 from robots.types import FloatArray32, LaserScan
 
 _NEIGHBOURS = 4  # beams to either side that may share a beam's surface
+_SURFACE_M = 0.15  # more are taken while nearer than this: a shorter piece leaves the normal to the noise
 _ROBOT_SIZE_M = 0.6  # a free-standing thing up to this wide may be a robot
 _CLEAR_BEHIND_M = 0.3  # free-standing: what is seen on both sides of it lies so much farther away
 _ENOUGH_POINTS = 20
@@ -20,9 +21,11 @@ _ENOUGH_POINTS = 20
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ScanPoints:
-    """End points (n, 2) of a scan in the base frame, unit normals (n, 2) towards the sensor (zero where unknown).
+    """End points (n, 2) of a scan in the base frame, unit normals (n, 2) towards the sensor (zero where
+    unknown).
 
-    ``far_fraction`` is the share of beams that hit nothing. Things as small as a robot that stand free are left out where enough
+    ``far_fraction`` is the share of beams that hit nothing. Things as small as a robot that stand free are
+    left out where enough
     else is seen: they may be other robots, and a scan matched to one that drives away would be dragged along.
     """
 
@@ -43,7 +46,9 @@ def scan_points(scan: LaserScan, max_range_m: float) -> ScanPoints:
 
 
 @njit(cache=True)
-def _standing_free(ranges: FloatArray32, xy: Array, hit: NDArray[np.bool_], increment: float) -> NDArray[np.bool_]:
+def _standing_free(
+    ranges: FloatArray32, xy: Array, hit: NDArray[np.bool_], increment: float
+) -> NDArray[np.bool_]:
     """Mark the beams of things up to a robot's size with clear space on both sides."""
     n = ranges.shape[0]
     marked = np.zeros(n, np.bool_)
@@ -101,8 +106,11 @@ def _points(
         for step in (-1, 1):  # walk outwards while the surface continues
             px, py = xy[i, 0], xy[i, 1]
             j = i + step
-            while 0 <= j < n and abs(j - i) <= _NEIGHBOURS and hit[j]:
+            while 0 <= j < n and hit[j]:
                 if hypot(xy[j, 0] - px, xy[j, 1] - py) > gate:
+                    break
+                far_off = hypot(xy[j, 0] - xy[i, 0], xy[j, 1] - xy[i, 1]) > _SURFACE_M
+                if far_off and abs(j - i) > _NEIGHBOURS:
                     break
                 px, py = xy[j, 0], xy[j, 1]
                 dx, dy = px - xy[i, 0], py - xy[i, 1]

@@ -1,4 +1,6 @@
-"""One robot's growing tag graph: anchors it has passed, tags it has read, and the measurements between them."""
+"""One robot's growing tag graph: anchors it has passed, tags it has read, and the measurements between
+them.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +17,9 @@ _BEND_SD_RAD = 0.035  # headings of a compass are this much off for minutes at a
 
 
 class TagGraph:
-    """Pose vertices in the map frame, the first at the start; each next one is joined to its predecessor by an edge."""
+    """Pose vertices in the map frame, the first at the start; each next one is joined to its predecessor by
+    an edge.
+    """
 
     def __init__(self, config: AgentConfig, start: Pose2, stamp_s: float, yaw_rad: float | None) -> None:
         self._config = config

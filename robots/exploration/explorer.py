@@ -32,7 +32,9 @@ _DONE_RECHECK_S = 5.0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Decision:
-    """Velocities for the body, and what the robot is doing in words. ``goal_m`` and ``path_m`` (n, 2) in the map frame."""
+    """Velocities for the body, and what the robot is doing in words. ``goal_m`` and ``path_m`` (n, 2) in
+    the map frame.
+    """
 
     linear_mps: float
     angular_radps: float
@@ -48,7 +50,9 @@ class Explorer:
     def __init__(self, config: AgentConfig) -> None:
         if config.planning.explore not in STRATEGIES:
             known = ", ".join(sorted(STRATEGIES))
-            raise ConfigError(f"planning.explore: no strategy is called {config.planning.explore!r}; known are {known}")
+            raise ConfigError(
+                f"planning.explore: no strategy is called {config.planning.explore!r}; known are {known}"
+            )
         self._config = config
         self._strategy = STRATEGIES[config.planning.explore]()
         self.explored_m2 = 0.0
@@ -58,7 +62,9 @@ class Explorer:
         self._planned_s: float | None = None
         self._grid: PlanGrid | None = None
         self._blocked: list[tuple[float, float, float]] = []  # x, y, until: ground that cannot be driven
-        self._aside: list[tuple[float, float, float]] = []  # x, y, until: frontiers that could not be resolved
+        self._aside: list[
+            tuple[float, float, float]
+        ] = []  # x, y, until: frontiers that could not be resolved
         self._arrived_s: float | None = None
         self._anchor_pose: Pose2 | None = None  # where progress was last seen
         self._anchor_s = 0.0
@@ -166,7 +172,9 @@ class Explorer:
         self._path = np.zeros((0, 2))
 
     def _recover(self, now_s: float, pose: Pose2, bumped: bool) -> Decision | None:
-        """Notice that driving leads nowhere; then back off, turn away, and put the place ahead aside for a while."""
+        """Notice that driving leads nowhere; then back off, turn away, and put the place ahead aside for a
+        while.
+        """
         if self._back_off_until_s is not None:
             if now_s < self._back_off_until_s:
                 side = 1.0 if self._recoveries % 2 else -1.0
@@ -176,7 +184,9 @@ class Explorer:
         if self._anchor_pose is None or self._done:
             self._anchor_pose, self._anchor_s = pose, now_s
             return None
-        moved = self._anchor_pose.distance(pose) > 0.15 or abs(wrap(pose.theta - self._anchor_pose.theta)) > 0.5
+        moved = (
+            self._anchor_pose.distance(pose) > 0.15 or abs(wrap(pose.theta - self._anchor_pose.theta)) > 0.5
+        )
         if moved:
             self._anchor_pose, self._anchor_s = pose, now_s
             return None if not bumped else self._back_off(now_s, pose)
@@ -203,5 +213,8 @@ def _near(point: tuple[float, float], places: list[tuple[float, float, float]], 
 def _points(grid: PlanGrid, cells: np.ndarray) -> Array:
     """Return the centres of the cells, (n, 2) metres in the map frame."""
     return np.column_stack(
-        [grid.origin[0] + (cells[:, 1] + 0.5) * grid.cell_m, grid.origin[1] + (cells[:, 0] + 0.5) * grid.cell_m]
+        [
+            grid.origin[0] + (cells[:, 1] + 0.5) * grid.cell_m,
+            grid.origin[1] + (cells[:, 0] + 0.5) * grid.cell_m,
+        ]
     )

@@ -11,7 +11,9 @@ from robots.se2 import Pose2
 
 @dataclass(frozen=True, slots=True)
 class ExplorationView:
-    """What a strategy may use: the robot's pose and its reachable frontiers, in the map frame, nearest first."""
+    """What a strategy may use: the robot's pose and its reachable frontiers, in the map frame, nearest
+    first.
+    """
 
     pose: Pose2
     frontiers: tuple[Frontier, ...]
@@ -31,4 +33,3 @@ class Strategy(Protocol):
     def choose(self, view: ExplorationView) -> Choice | None:
         """Return the choice for this view."""
         ...
-

@@ -48,12 +48,15 @@ class FusedGrid:
     ) -> bool:  # fmt: skip
         """Draw a submap, replacing its earlier drawing; say whether anything changed.
 
-        ``map_from_grid`` places the lower left corner of the submap's cell (0, 0). A submap that moved by less than
+        ``map_from_grid`` places the lower left corner of the submap's cell (0, 0). A submap that moved by
+        less than
         ``tolerance_m`` at its far corner keeps its drawing.
         """
         old = self._drawn.get(key)
         if old is not None:
-            if old.version == version and self._same_place(old.map_from_grid, map_from_grid, cells, tolerance_m):
+            if old.version == version and self._same_place(
+                old.map_from_grid, map_from_grid, cells, tolerance_m
+            ):
                 return False
             self._add(old, -1)
         if cells.size == 0:
@@ -83,7 +86,9 @@ class FusedGrid:
         left, low = floor(corners[:, 0].min() / r), floor(corners[:, 1].min() / r)
         right, high = ceil(corners[:, 0].max() / r), ceil(corners[:, 1].max() / r)
         drawing = np.zeros((high - low, right - left), np.int16)
-        _resample(cells, drawing, left + 0.5, low + 0.5, pose.x / r, pose.y / r, cos(pose.theta), sin(pose.theta))
+        _resample(
+            cells, drawing, left + 0.5, low + 0.5, pose.x / r, pose.y / r, cos(pose.theta), sin(pose.theta)
+        )
         return _Drawn(version, pose, low, left, drawing)
 
     def _add(self, drawn: _Drawn, sign: int) -> None:
@@ -97,7 +102,13 @@ class FusedGrid:
         top, right = bottom + drawn.cells.shape[0], left + drawn.cells.shape[1]
         if h == 0:
             self._row0, self._column0 = bottom, left
-        if h and bottom >= self._row0 and left >= self._column0 and top <= self._row0 + h and right <= self._column0 + w:
+        if (
+            h
+            and bottom >= self._row0
+            and left >= self._column0
+            and top <= self._row0 + h
+            and right <= self._column0 + w
+        ):
             return
         row0 = self._row0 if h and bottom >= self._row0 else bottom - _MARGIN_CELLS
         column0 = self._column0 if h and left >= self._column0 else left - _MARGIN_CELLS
@@ -111,7 +122,14 @@ class FusedGrid:
 
 @njit(cache=True)
 def _resample(
-    cells: NDArray[np.int16], drawing: NDArray[np.int16], left: float, low: float, x: float, y: float, c: float, s: float
+    cells: NDArray[np.int16],
+    drawing: NDArray[np.int16],
+    left: float,
+    low: float,
+    x: float,
+    y: float,
+    c: float,
+    s: float,
 ) -> None:
     """Fill the drawing: for each of its cells the submap's cell under its centre. All lengths in cells."""
     for row in range(drawing.shape[0]):

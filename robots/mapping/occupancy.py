@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from math import cos, floor, isfinite, sin
 
+import numpy as np
 from numba import njit
 from numpy.typing import NDArray
-import numpy as np
 
 from robots.types import FloatArray32
 
@@ -35,8 +35,10 @@ def cast_scan(
 ) -> None:
     """Add one scan, taken at (x, y, theta) in the grid's frame, to the grid in place.
 
-    Every cell changes at most once a scan: cells with a hit by ``hit``, cells crossed by a beam by ``-miss``. Far readings clear with
-    half the weight, because glass and smoke return them too. ``touched`` (same shape, int32) remembers the cells of scan ``mark``.
+    Every cell changes at most once a scan: cells with a hit by ``hit``, cells crossed by a beam by
+    ``-miss``. Far readings clear with
+    half the weight, because glass and smoke return them too. ``touched`` (same shape, int32) remembers the
+    cells of scan ``mark``.
     """
     rows, columns = grid.shape
     for i in range(ranges.shape[0]):  # hits first: they take precedence over beams that graze the same cell

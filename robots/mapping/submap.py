@@ -19,7 +19,8 @@ _CHUNK = 64  # cells by which a grid grows
 class Submap:
     """Log-odds (tenths) in a grid frame whose axes are parallel to the map's at the time of creation.
 
-    ``anchor_from_grid`` places the grid's frame in the anchor's; cell (0, 0) has its lower left corner at ``origin``.
+    ``anchor_from_grid`` places the grid's frame in the anchor's; cell (0, 0) has its lower left corner at
+    ``origin``.
     """
 
     def __init__(self, anchor: int, map_from_anchor: Pose2, config: MappingConfig) -> None:
@@ -127,5 +128,7 @@ def unpack(report: SubmapReport) -> NDArray[np.int8]:
     except zlib.error as error:
         raise ValueError(f"submap {report.anchor}: damaged cells ({error})") from error
     if len(data) != report.width * report.height:
-        raise ValueError(f"submap {report.anchor}: {len(data)} cells, expected {report.width} x {report.height}")
+        raise ValueError(
+            f"submap {report.anchor}: {len(data)} cells, expected {report.width} x {report.height}"
+        )
     return np.frombuffer(data, np.int8).reshape(report.height, report.width)

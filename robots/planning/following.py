@@ -1,4 +1,6 @@
-"""Following a path: pure pursuit with a turn on the spot for large angles, slowed by what the laser sees ahead."""
+"""Following a path: pure pursuit with a turn on the spot for large angles, slowed by what the laser sees
+ahead.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +22,9 @@ _REACTION_S = 0.45  # one control period and the time to stop
 def follow(
     path: Array, pose: Pose2, grid: PlanGrid, scan: LaserScan | None, body: BodyConfig
 ) -> tuple[float, float]:
-    """Return velocities (m/s, rad/s) that follow a path, (n, 2) points in the map frame, from a pose in that frame."""
+    """Return velocities (m/s, rad/s) that follow a path, (n, 2) points in the map frame, from a pose in
+    that frame.
+    """
     if len(path) == 0:
         return 0.0, 0.0
     x, y = _target(path, pose, grid)
@@ -38,7 +42,9 @@ def follow(
 
 
 def _target(path: Array, pose: Pose2, grid: PlanGrid) -> tuple[float, float]:
-    """Return the farthest point of the path within the look-ahead distance that can be driven to in a straight line."""
+    """Return the farthest point of the path within the look-ahead distance that can be driven to in a
+    straight line.
+    """
     distances = np.hypot(path[:, 0] - pose.x, path[:, 1] - pose.y)
     at = int(distances.argmin())
     best = min(at + 1, len(path) - 1)
@@ -61,7 +67,9 @@ def _clear_line(grid: PlanGrid, x0: float, y0: float, x1: float, y1: float) -> b
 def free_ahead(scan: LaserScan, half_width_m: float) -> float:
     """Return how far (m) a body of that half width can drive straight ahead before the nearest echo."""
     return float(
-        _free_ahead(scan.ranges_m, scan.angle_min_rad, scan.angle_increment_rad, scan.range_max_m, half_width_m)
+        _free_ahead(
+            scan.ranges_m, scan.angle_min_rad, scan.angle_increment_rad, scan.range_max_m, half_width_m
+        )
     )
 
 

@@ -18,8 +18,10 @@ _FAR = 200  # cells: farther than any clearance that matters
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PlanGrid:
-    """``cells`` uint8 (h, w) of UNKNOWN, FREE, OCCUPIED; ``steps`` uint8 (h, w), the cost in fifths of a cell of entering a
-    cell (0: not for this body). Cell (0, 0) has its lower left corner at ``origin`` (x, y) in the map frame, metres.
+    """``cells`` uint8 (h, w) of UNKNOWN, FREE, OCCUPIED; ``steps`` uint8 (h, w), the cost in fifths of a
+    cell of entering a
+    cell (0: not for this body). Cell (0, 0) has its lower left corner at ``origin`` (x, y) in the map
+    frame, metres.
     """
 
     cells: NDArray[np.uint8]
@@ -47,7 +49,9 @@ def plan_grid(
     mapping: MappingConfig,
     blocked: NDArray[np.float64],
 ) -> PlanGrid:
-    """Make the plan grid of a fused map. ``blocked`` (n, 3): x, y, radius of places put aside because driving there failed."""
+    """Make the plan grid of a fused map. ``blocked`` (n, 3): x, y, radius of places put aside because
+    driving there failed.
+    """
     factor = max(1, round(planning.cell_m / fused.resolution_m))
     cells = _coarsen(fused.cells, factor, mapping.occupied_logodds, mapping.miss_logodds)
     cell_m = fused.resolution_m * factor
@@ -82,7 +86,9 @@ def _coarsen(fused: NDArray[np.int32], factor: int, occupied: int, free: int) ->
 
 @njit(cache=True)
 def _step_costs(cells: NDArray[np.uint8], keep_off: float, comfort: float) -> NDArray[np.uint8]:
-    """Cost of entering each cell: 5 in the open, up to 15 next to obstacles, 0 where the body does not fit."""
+    """Cost of entering each cell: 5 in the open, up to 15 next to obstacles, 0 where the body does not
+    fit.
+    """
     rows, columns = cells.shape
     squared = np.full((rows, columns), _FAR * _FAR, np.int32)
     reach = int(np.ceil(comfort))

@@ -1,4 +1,6 @@
-"""Travel costs from the robot to everywhere it can reach, and shortest paths (Dial's buckets; A* for one goal)."""
+"""Travel costs from the robot to everywhere it can reach, and shortest paths (Dial's buckets; A* for one
+goal).
+"""
 
 from __future__ import annotations
 
@@ -15,7 +17,8 @@ _BUCKETS = 32  # more than the dearest single move: 15 * 7 / 5 = 21
 
 
 def travel_costs(grid: PlanGrid, row: int, column: int) -> NDArray[np.int32]:
-    """Return the cost of driving from a cell to every other, int32 (h, w), in fifths of a cell; UNREACHED where it cannot.
+    """Return the cost of driving from a cell to every other, int32 (h, w), in fifths of a cell; UNREACHED
+    where it cannot.
 
     The start need not be passable: a robot that finds itself too close to something may leave.
     """
@@ -23,14 +26,18 @@ def travel_costs(grid: PlanGrid, row: int, column: int) -> NDArray[np.int32]:
 
 
 def find_path(grid: PlanGrid, start: tuple[int, int], goal: tuple[int, int]) -> NDArray[np.int32] | None:
-    """Return the cheapest cells from start to goal, (n, 2) of row and column, by A*; None where there is no way."""
+    """Return the cheapest cells from start to goal, (n, 2) of row and column, by A*; None where there is no
+    way.
+    """
     cells = _a_star(grid.steps, start[0], start[1], goal[0], goal[1], 3)
     return cells if len(cells) else None
 
 
 @njit(cache=True)
 def _passable(steps: NDArray[np.uint8], r: int, c: int, start_r: int, start_c: int, leave: int) -> int:
-    """Cost of entering a cell; near the start also cells too close to an obstacle, dearly, so that the robot can leave."""
+    """Cost of entering a cell; near the start also cells too close to an obstacle, dearly, so that the
+    robot can leave.
+    """
     s = int(steps[r, c])
     if s == 0 and abs(r - start_r) <= leave and abs(c - start_c) <= leave:
         return 15

@@ -1,8 +1,11 @@
 """What a tag's memory says: which ground round it has been covered, as a value that merges.
 
-A window of 27 x 27 cells of 1 m, centred on the tag, rows to the north (x of the frame), columns to the west (y): the frame of the
-writer's compass. A cell only grows: unknown < covered with an open frontier < covered and closed. Merging takes the maximum, so it is
-commutative, associative and idempotent, and no order of visits loses anything. 187 bytes: it fits a 2,048-bit tag beside its link.
+A window of 27 x 27 cells of 1 m, centred on the tag, rows to the north (x of the frame), columns to the
+west (y): the frame of the
+writer's compass. A cell only grows: unknown < covered with an open frontier < covered and closed. Merging
+takes the maximum, so it is
+commutative, associative and idempotent, and no order of visits loses anything. 187 bytes: it fits a
+2,048-bit tag beside its link.
 """
 
 from __future__ import annotations
@@ -67,7 +70,9 @@ def decode_memory(data: bytes) -> TagMemory:
     if not data:
         return TagMemory.empty()
     if len(data) != _BYTES or data[0] != _VERSION:
-        raise TagMemoryError(f"a tag memory has {_BYTES} bytes and begins with {_VERSION}; this one has {len(data)}")
+        raise TagMemoryError(
+            f"a tag memory has {_BYTES} bytes and begins with {_VERSION}; this one has {len(data)}"
+        )
     body = data[3:]
     if zlib.crc32(body) & 0xFFFF != int.from_bytes(data[1:3], "big"):
         raise TagMemoryError("the tag memory is damaged: its checksum does not fit; read it again")

@@ -1,0 +1,6 @@
+"""The team's map: what several robots know together."""
+
+from robots.team.team_map import TeamMap
+from robots.team.types import StartPose, TeamGrid, TeamRobot, TeamTag, TeamUpdate, TeamVictim
+
+__all__ = ["StartPose", "TeamGrid", "TeamMap", "TeamRobot", "TeamTag", "TeamUpdate", "TeamVictim"]

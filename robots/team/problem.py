@@ -1,0 +1,84 @@
+"""The union of the robots' tag graphs as one problem in the world frame."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from robots.estimation.graph import GraphProblem
+from robots.se2 import Array, Pose2
+from robots.team.types import StartPose
+from robots.types import GraphReport
+
+_HEADING_SD_RAD = 0.035  # of a compass, for minutes at a time
+_HELD_SD = 1e-3  # what holds the world in place where nobody surveyed it
+
+
+def joint_problem(
+    names: list[str],
+    graphs: dict[str, GraphReport],
+    starts: dict[str, StartPose | None],
+    frames: dict[str, Pose2],
+    tag_ids: list[str],
+) -> tuple[GraphProblem, dict[str, int]]:
+    """Return the union of the robots' graphs in the world frame, and where each robot's poses begin in it."""
+    tag_index = {tag: k for k, tag in enumerate(tag_ids)}
+    tags = np.zeros((len(tag_ids), 2))
+    offsets: dict[str, int] = {}
+    count = 0
+    parts: dict[str, list[Array]] = {
+        key: [] for key in ("poses", "edge_pairs", "sighting_pairs", "prior_poses", "prior_sds")
+    }
+    priors: list[int] = []
+    heading_index, headings = [], []
+    for name in reversed(names):  # the first robot's places of shared tags are the ones that stand
+        placed = frames[name].transform(graphs[name].tags)
+        for tag, place in zip(graphs[name].tag_ids, placed, strict=True):
+            tags[tag_index[tag]] = place
+    for name in names:
+        graph, frame, start = graphs[name], frames[name], starts[name]
+        offsets[name] = count
+        poses = moved(frame, graph.poses)
+        parts["poses"].append(poses)
+        parts["edge_pairs"].append(graph.edge_pairs + count)
+        to_team = np.array([tag_index[tag] for tag in graph.tag_ids], np.int64)
+        pairs = graph.sighting_pairs.copy()
+        if len(pairs):
+            pairs = np.column_stack([pairs[:, 0] + count, to_team[pairs[:, 1]]])
+        parts["sighting_pairs"].append(pairs)
+        if start is not None or name == names[0]:
+            priors.append(count)
+            parts["prior_poses"].append(poses[:1] if start is None else start.pose.as_array()[None])
+            sds = [_HELD_SD] * 3 if start is None else [start.sd_m, start.sd_m, start.sd_rad]
+            parts["prior_sds"].append(np.maximum([sds], _HELD_SD))
+        known = np.flatnonzero(np.isfinite(graph.yaws_rad))
+        heading_index.append(known + count)
+        headings.append(graph.yaws_rad[known] + frame.theta)
+        count += len(poses)
+    heading = np.concatenate(headings)
+    return (
+        GraphProblem(
+            poses=np.concatenate(parts["poses"]),
+            tags=tags,
+            edge_pairs=np.concatenate(parts["edge_pairs"]).astype(np.int64),
+            edge_poses=np.concatenate([graphs[name].edge_poses for name in names]),
+            edge_covariances=np.concatenate([graphs[name].edge_covariances for name in names]),
+            sighting_pairs=np.concatenate(parts["sighting_pairs"]).astype(np.int64),
+            sighting_offsets=np.concatenate([graphs[name].sighting_offsets for name in names]),
+            sighting_covariances=np.concatenate([graphs[name].sighting_covariances for name in names]),
+            prior_index=np.array(priors, np.int64),
+            prior_poses=np.concatenate(parts["prior_poses"]),
+            prior_sds=np.concatenate(parts["prior_sds"]),
+            heading_index=np.concatenate(heading_index).astype(np.int64),
+            heading_rad=heading,
+            heading_sd_rad=np.full(len(heading), _HEADING_SD_RAD),
+        ),
+        offsets,
+    )
+
+
+def moved(frame: Pose2, poses: Array) -> Array:
+    """Return poses (n, 3) in the frame's parent."""
+    moved = poses.copy()
+    moved[:, :2] = frame.transform(poses[:, :2])
+    moved[:, 2] += frame.theta
+    return moved

@@ -1,0 +1,195 @@
+"""The team's map: all robots' tag graphs, submaps and victims in one world frame.
+
+A function of the set of updates it was given, not of their order: for each robot the newest graph, for each
+submap and victim the newest
+version. Robots share no poses, only tags: two robots that have read the same tag are joined by it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robots.estimation.graph import solve
+from robots.mapping.fused import FusedGrid
+from robots.mapping.submap import unpack
+from robots.se2 import Array, Pose2
+from robots.team.frames import join_frames
+from robots.team.problem import joint_problem, moved
+from robots.team.types import StartPose, TeamGrid, TeamRobot, TeamTag, TeamUpdate, TeamVictim
+from robots.team.victims import in_world, merge_victims
+from robots.types import AgentUpdate, FloatArray32, GraphReport, SubmapReport, VictimEstimate
+
+_TRAIL_M = 0.25
+_FREE, _BOUND = -4, 60  # log-odds in tenths
+
+
+@dataclass(slots=True)
+class _Member:
+    start: StartPose | None
+    graph: GraphReport | None = None
+    graph_seq: int = -1
+    submaps: dict[int, SubmapReport] = field(default_factory=dict)
+    victims: dict[str, VictimEstimate] = field(default_factory=dict)
+    trail: dict[tuple[int, int, int], tuple[int, float, float]] = field(
+        default_factory=dict
+    )  # cell -> seq, x, y
+
+
+class TeamMap:
+    """Joins robots by the tags they share and keeps one map of them.
+
+    ``method`` as in ``robots.estimation.graph.solve``.
+    """
+
+    def __init__(
+        self, resolution_m: float = 0.05, method: Literal["gauss-newton", "linear"] = "gauss-newton"
+    ) -> None:
+        self._method = method
+        self._members: dict[str, _Member] = {}
+        self._grid = FusedGrid(resolution_m)
+        self._grid_version = 0
+        self._unpacked: dict[tuple[str, int], tuple[int, NDArray[np.int8]]] = {}
+        self._graphs_changed = True
+        self._anchors: dict[str, Array] = {}
+        self._located: frozenset[str] = frozenset()
+        self._tags: tuple[TeamTag, ...] = ()
+
+    def add_robot(self, robot_id: str, start: StartPose | None) -> None:
+        """Make a robot known, with its surveyed start pose where there is one."""
+        if robot_id not in self._members:
+            self._members[robot_id] = _Member(start)
+            self._graphs_changed = True
+
+    def put(self, robot_id: str, update: AgentUpdate) -> None:
+        """Take in an update; older than what is known changes nothing.
+
+        Raises:
+            KeyError: the robot was never added.
+        """
+        member = self._members[robot_id]
+        if update.graph is not None and update.seq > member.graph_seq:
+            member.graph, member.graph_seq = update.graph, update.seq
+            self._graphs_changed = True
+        for submap in update.submaps:
+            known = member.submaps.get(submap.anchor)
+            if known is None or submap.version > known.version:
+                member.submaps[submap.anchor] = submap
+        for victim in update.victims:
+            seen = member.victims.get(victim.victim_id)
+            if seen is None or victim.sightings > seen.sightings:
+                member.victims[victim.victim_id] = victim
+        place = update.anchor_from_base
+        cell = (update.anchor, round(place.x / _TRAIL_M), round(place.y / _TRAIL_M))
+        first = member.trail.get(cell)
+        if first is None or update.seq < first[0]:
+            member.trail[cell] = (update.seq, place.x, place.y)
+
+    def solve(self) -> TeamUpdate:
+        """Return the team's map of everything put in so far."""
+        if self._graphs_changed:
+            self._solve_graphs()
+            self._graphs_changed = False
+        self._draw()
+        victims = self._merged_victims()
+        robots = tuple(
+            TeamRobot(robot_id, robot_id in self._located, self._anchors[robot_id], self._trail(robot_id))
+            for robot_id in sorted(self._anchors)
+        )
+        explored = float((self._grid.cells <= _FREE).sum()) * self._grid.resolution_m**2
+        return TeamUpdate(robots, self._tags, self._links(), victims, self._team_grid(), explored)
+
+    def _solve_graphs(self) -> None:
+        graphs = {name: m.graph for name, m in sorted(self._members.items()) if m.graph is not None}
+        starts = {name: self._members[name].start for name in graphs}
+        frames = join_frames(graphs, starts)
+        self._located = frozenset(frames)
+        self._anchors = {
+            name: moved(frames.get(name, Pose2()), graph.poses) for name, graph in graphs.items()
+        }
+        self._tags = ()
+        if not frames:
+            return
+        names = sorted(frames)
+        tag_ids = sorted({tag for name in names for tag in graphs[name].tag_ids})
+        problem, offsets = joint_problem(names, graphs, starts, frames, tag_ids)
+        solution = solve(problem, self._method)
+        for name in names:
+            at = offsets[name]
+            self._anchors[name] = solution.poses[at : at + len(graphs[name].poses)]
+        counts: dict[str, dict[str, int]] = {tag: {} for tag in tag_ids}
+        for name in names:
+            for index in graphs[name].sighting_pairs[:, 1]:
+                of_tag = counts[graphs[name].tag_ids[int(index)]]
+                of_tag[name] = of_tag.get(name, 0) + 1
+        self._tags = tuple(
+            TeamTag(
+                tag, float(solution.tags[k, 0]), float(solution.tags[k, 1]), solution.tag_covariance(k),
+                sum(counts[tag].values()), tuple(sorted(counts[tag])),
+            )
+            for k, tag in enumerate(tag_ids)
+        )  # fmt: skip
+
+    def _links(self) -> tuple[tuple[str, str], ...]:
+        pairs: set[tuple[str, str]] = set()
+        for name in sorted(self._located):
+            graph = self._members[name].graph
+            if graph is None:
+                continue
+            order = [graph.tag_ids[int(tag)] for _, tag in graph.sighting_pairs]
+            for a, b in zip(order, order[1:], strict=False):
+                if a != b:
+                    pairs.add((min(a, b), max(a, b)))
+        return tuple(sorted(pairs))
+
+    def _draw(self) -> None:
+        changed = False
+        for name in sorted(self._located):
+            anchors = self._anchors[name]
+            for anchor, report in sorted(self._members[name].submaps.items()):
+                if anchor >= len(anchors):
+                    continue  # its graph is still on the way
+                key = (name, anchor)
+                if key not in self._unpacked or self._unpacked[key][0] != report.version:
+                    self._unpacked[key] = (report.version, unpack(report))
+                world_from_grid = Pose2.from_array(anchors[anchor]) @ report.anchor_from_grid
+                changed |= self._grid.put(key, report.version, world_from_grid, self._unpacked[key][1])
+        self._grid_version += changed
+
+    def _team_grid(self) -> TeamGrid | None:
+        if not self._grid.cells.size:
+            return None
+        log_odds = np.clip(self._grid.cells, -_BOUND, _BOUND) / 10.0
+        occupancy = np.round(100.0 / (1.0 + np.exp(-log_odds))).astype(np.int8)
+        occupancy[self._grid.cells == 0] = -1
+        return TeamGrid(occupancy, self._grid.origin, self._grid.resolution_m, self._grid_version)
+
+    def _trail(self, robot_id: str) -> FloatArray32:
+        anchors = self._anchors[robot_id]
+        points = sorted(
+            (seq, anchor, x, y) for (anchor, _, _), (seq, x, y) in self._members[robot_id].trail.items()
+        )
+        kept = [(anchor, x, y) for _, anchor, x, y in points if anchor < len(anchors)]
+        if not kept:
+            return np.zeros((0, 2), np.float32)
+        index = np.array([anchor for anchor, _, _ in kept])
+        xy = np.array([(x, y) for _, x, y in kept])
+        cosine, sine = np.cos(anchors[index, 2]), np.sin(anchors[index, 2])
+        world = anchors[index, :2] + np.column_stack(
+            [cosine * xy[:, 0] - sine * xy[:, 1], sine * xy[:, 0] + cosine * xy[:, 1]]
+        )
+        return world.astype(np.float32)
+
+    def _merged_victims(self) -> tuple[TeamVictim, ...]:
+        seen = []
+        for name in sorted(self._located):
+            anchors = self._anchors[name]
+            seen += [
+                in_world(name, victim, Pose2.from_array(anchors[victim.anchor]))
+                for victim in self._members[name].victims.values()
+                if victim.anchor < len(anchors)
+            ]
+        return merge_victims(seen)
