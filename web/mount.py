@@ -1,4 +1,4 @@
-"""Hang the pages and their files into the application: the console, /static, /vendor, the icon and the 3D view."""
+"""Hang the pages and their files into the application: console, /static, /vendor, icon and 3D view."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _HERE = Path(__file__).parent
 STATIC = _HERE / "static"
 NODE_MODULES = _HERE / "node_modules"
 
-# What the pages load from npm packages: address under /vendor -> file under node_modules. Nothing else is served.
+# What the pages load from npm packages: address under /vendor -> file under node_modules. No other is served.
 VENDOR_FILES: Mapping[str, str] = {
     "leaflet/leaflet.js": "leaflet/dist/leaflet.js",
     "leaflet/leaflet.css": "leaflet/dist/leaflet.css",
@@ -45,8 +45,8 @@ SECURITY_HEADERS: Mapping[str, str] = {
     "Content-Security-Policy": CONTENT_SECURITY_POLICY,
     "X-Content-Type-Options": "nosniff",
     "Referrer-Policy": "no-referrer",
-    # Own files change with every release and are named without a hash: the browser asks each time, and an ETag
-    # makes the answer a short 304.
+    # Own files change with every release and have no hash in their names: the browser asks each time, and an
+    # ETag makes the answer a short 304.
     "Cache-Control": "no-cache",
 }
 
@@ -54,8 +54,8 @@ _MISSING_PAGE = """<!doctype html>
 <html lang="en"><meta charset="utf-8"><title>Waymark: set-up is not complete</title>
 <h1>Set-up is not complete</h1>
 <p>The browser libraries are not installed, so this page cannot be shown.</p>
-<p>Run <code>make setup</code> in the project's folder, then reload. Nothing else is affected: the mission goes on
-and the API answers.</p>
+<p>Run <code>make setup</code> in the project's folder, then reload. Nothing else is affected: the mission
+goes on and the API answers.</p>
 </html>
 """
 
@@ -77,6 +77,9 @@ class _Files(StaticFiles):
 class _VendorFiles(_Files):
     """The few files of ``VENDOR_FILES``, found in the folder of installed npm packages."""
 
+    async def check_config(self) -> None:
+        """Accept that the folder is not there: then every file is missing, and the pages say so."""
+
     def lookup_path(self, path: str) -> tuple[str, os.stat_result | None]:
         """Return the installed file behind an address under /vendor; no stat when there is none."""
         name = VENDOR_FILES.get(path.replace(os.sep, "/"))
@@ -84,9 +87,9 @@ class _VendorFiles(_Files):
 
 
 def mount_web(app: FastAPI, scenes: ScenePorts | None = None, node_modules: Path = NODE_MODULES) -> None:
-    """Add /, /console, /static, /vendor, /favicon.ico and, given the running 3D scenes, /viser to the application.
+    """Add /, /console, /static, /vendor, /favicon.ico and, given the running 3D scenes, /viser to the app.
 
-    ``scenes`` tells the loopback port of a mission's viser server; ``node_modules`` is where npm put its packages.
+    ``scenes`` tells the loopback port of a mission's viser server; ``node_modules`` is npm's folder.
     """
 
     async def console(request: Request) -> Response:

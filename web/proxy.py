@@ -1,9 +1,9 @@
-"""The 3D view on the one port: viser's page and its socket, passed on from servers that listen on loopback only.
+"""The 3D view on the one port: viser's page and socket, passed on from servers that listen on loopback only.
 
-viser itself has no login, no Origin check and lets every socket press every button, so nothing reaches it but through
-here: same origin only, known message types only, a limited number of viewers, and a viewer that stops reading is
-dropped. A mission has the page ``/viser/MISSION/`` and, because viser's page derives the address of its socket from
-its own, the socket ``/viser/MISSION``.
+viser itself has no login, no Origin check and lets every socket press every button, so nothing reaches it but
+through here: same origin only, known message types only, a limited number of viewers, and a viewer that stops
+reading is dropped. A mission has the page ``/viser/MISSION/`` and, as viser's page derives its socket's
+address from its own, the socket ``/viser/MISSION``.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ MAX_VIEWERS_PER_MISSION = 32
 SEND_TIMEOUT_S = 10.0
 MAX_CLIENT_MESSAGE_BYTES = 64 * 1024
 
-# Measured: viser's bundle runs without a violation under this policy (it evaluates code and starts workers from blobs).
+# Measured: viser's bundle runs without a violation under this policy. It evaluates code and has blob workers.
 VISER_HEADERS: Mapping[str, str] = {
     "Content-Security-Policy": "; ".join(
         (
@@ -65,7 +65,8 @@ def mount_proxy(app: FastAPI, scenes: ScenePorts) -> None:
     async def page(request: Request, mission_id: str) -> Response:
         if scenes.port(mission_id) is None:
             return PlainTextResponse(
-                "This mission has no 3D scene. Open the console and choose a running mission.\n", status_code=404
+                "This mission has no 3D scene. Open the console and choose a running mission.\n",
+                status_code=404,
             )
         return FileResponse(CLIENT_PAGE, headers=dict(VISER_HEADERS))
 
@@ -94,7 +95,7 @@ def mount_proxy(app: FastAPI, scenes: ScenePorts) -> None:
 
 
 def same_origin(headers: Mapping[str, str]) -> bool:
-    """Return whether a page of ours opened the socket. Without an Origin it was no page: browsers always send one."""
+    """Return whether a page of ours opened the socket. Without an Origin it was no page at all."""
     origin = headers.get("origin")
     return origin is None or urlsplit(origin).netloc == headers.get("host")
 

@@ -13,6 +13,7 @@ ROBOT_COLORS: tuple[Rgb, ...] = tuple(
         "#b5e36e", "#e5a78c", "#6fe3f2", "#d48bff", "#9fb8cc", "#e8dcc0",
     )
 )  # fmt: skip
+GROUND: Rgb = (10, 14, 20)
 FLOOR: Rgb = (44, 58, 78)
 WALL: Rgb = (196, 209, 226)
 TAG: Rgb = (255, 243, 196)

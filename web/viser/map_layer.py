@@ -9,17 +9,22 @@ import viser
 from numpy.typing import NDArray
 
 from web.viser.colors import FLOOR, WALL
-from web.viser.shapes import unit_box
+from web.viser.shapes import unit_box, upright
 
 WALL_HEIGHT_M = 1.4  # low enough to look over, high enough to read as a room
 OCCUPIED_FROM = 65  # of 100, as ROS map_server has it
-_LYING_FACE_UP = (0.0, 1.0, 0.0, 0.0)  # viser's images have y down: a half turn about x lays row 0 at the far side
+_LYING_FACE_UP = (
+    0.0,
+    1.0,
+    0.0,
+    0.0,
+)  # viser's images have y down: a half turn about x lays row 0 at the far side
 
 Cells = NDArray[np.int8]
 
 
 class Grid(NamedTuple):
-    """An occupancy grid: ``cells`` (h, w), -1 unknown, 0..100; cell (0, 0) has its lower left corner at ``origin_m``."""
+    """An occupancy grid: ``cells`` (h, w), -1 unknown, 0..100; ``origin_m`` is the corner of cell (0, 0)."""
 
     cells: Cells
     origin_m: tuple[float, float]
@@ -58,7 +63,7 @@ class MapLayer:
                 "/map/walls",
                 box.vertices,
                 box.faces,
-                batched_wxyzs=np.tile(np.float32([1.0, 0.0, 0.0, 0.0]), (len(boxes), 1)),
+                batched_wxyzs=upright(len(boxes)),
                 batched_positions=np.column_stack((corners, np.zeros(len(boxes)))).astype(np.float32),
                 batched_scales=np.column_stack(
                     (boxes[:, 2:] * grid.resolution_m, np.full(len(boxes), WALL_HEIGHT_M))
@@ -72,16 +77,16 @@ class MapLayer:
 
 
 def floor_image(cells: Cells) -> NDArray[np.uint8]:
-    """Return RGBA, shape (h, w, 4), row 0 at the largest y: known cells in the floor's colour, unknown ones clear."""
+    """Return RGBA, shape (h, w, 4), row 0 at the largest y: known cells as floor, unknown ones clear."""
     image = np.zeros((*cells.shape, 4), np.uint8)
     image[cells[::-1] >= 0] = (*FLOOR, 255)
     return image
 
 
 def wall_boxes(cells: Cells) -> NDArray[np.int64]:
-    """Return rectangles that cover the occupied cells exactly once: (n, 4), column, row, width and height in cells.
+    """Return rectangles that cover the occupied cells once: (n, 4), column, row, width, height in cells.
 
-    Runs along each row, joined with equal runs of the rows above: a building's walls become a few thousand boxes.
+    Runs along each row, joined with equal runs of the rows above: a building becomes a few thousand boxes.
     """
     occupied = cells >= OCCUPIED_FROM
     edges = np.diff(np.pad(occupied.astype(np.int8), ((0, 0), (1, 1))), axis=1)

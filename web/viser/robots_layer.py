@@ -60,7 +60,13 @@ class RobotsLayer:
         body = self._scene.add_mesh_simple(
             f"{name}/body", *_BODY, color=color, flat_shading=True, cast_shadow=False, receive_shadow=False
         )
-        self._scene.add_label(f"{name}/label", robot_id, position=(0.0, 0.0, 0.9))
+        self._scene.add_label(
+            f"{name}/label",
+            robot_id,
+            position=(0.0, 0.0, 0.7),
+            anchor="bottom-center",
+            font_screen_scale=0.85,
+        )
         disc = self._scene.add_mesh_simple(
             f"/ellipses/{self._count}",
             *_DISC,

@@ -1,29 +1,43 @@
-"""The 3D scene of one mission: a viser server on a loopback port of its own, drawn from the mission's board."""
+"""The 3D scene of one mission: a viser server on its own loopback port, drawn from the mission's board."""
 
 from __future__ import annotations
 
 import asyncio
 import contextlib
 import io
+import logging
 import time
-from math import hypot, tan
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import viser
 
+from web.viser.cameras import Cameras
+from web.viser.colors import GROUND
 from web.viser.map_layer import Cells, Grid, MapLayer
 from web.viser.robots_layer import RobotsLayer
 from web.viser.tags_layer import TagsLayer
 from web.viser.trails_layer import TrailsLayer
 from web.viser.victims_layer import VictimsLayer
 
-_DRAW_S = 0.1  # poses
+_DRAW_S = 0.1  # poses and victims
 _SLOW_DRAW_S = 1.0  # map, trails and tags: large, and slow to change
-_SLANT = 0.6  # camera's distance aside per height
-_MARGIN = 1.15  # of the view beyond the building
+_FAST = ("robot/", "victim/")
+
+_log = logging.getLogger(__name__)
 
 Value = dict[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class Batch:
+    """What to draw next: new values by board key (None: gone); tags with links, and grid, if they changed."""
+
+    values: dict[str, Value | None]
+    tags: dict[str, Value] | None
+    pairs: tuple[tuple[str, str], ...]
+    grid: Grid | None
 
 
 class MissionScene:
@@ -40,19 +54,16 @@ class MissionScene:
         self._trails = TrailsLayer(self._server)
         self._tags = TagsLayer(self._server)
         self._victims = VictimsLayer(self._server)
+        self._cameras = Cameras(self._server)
         self._values: dict[str, Value] = {}
         self._changed: set[str] = set()
         self._grid: Grid | None = None
-        self._grid_changed = False
         self._slow_drawn_s = 0.0
-        self._server.scene.set_up_direction("+z")
-        self._server.scene.configure_default_lights(cast_shadow=False)
+        _light(self._server.scene)
         # Sharing would open a tunnel to a public host; the proxy drops the request as well.
         self._server.gui.configure_theme(dark_mode=True, show_logo=False, show_share_button=False)
         self._server.gui.set_panel_label("3D view")
         self._server.gui.main_panel.minimize()
-        self._placed: dict[int, Any] = {}  # viewer -> where we put its camera; a viewer that moved it is left alone
-        self._server.on_client_connect(self._welcome)
 
     def put(self, key: str, value: Value | None) -> None:
         """Take a change of the board; None when the key is gone."""
@@ -70,95 +81,65 @@ class MissionScene:
             self.put(key, value)
 
     def update_map(self, cells: Cells, origin_m: tuple[float, float], resolution_m: float) -> None:
-        """Take the fused map: ``cells`` int8 (h, w), -1 unknown, 0..100; cell (0, 0) at the corner ``origin_m``."""
+        """Take the fused map: ``cells`` int8 (h, w), -1 unknown, 0..100; cell (0, 0) at ``origin_m``."""
         self._grid = Grid(cells, origin_m, resolution_m)
-        self._grid_changed = True
 
     async def run(self) -> None:
-        """Draw until cancelled: changes at most ten times a second, in a thread, and nothing without a viewer."""
+        """Draw until cancelled: changes at most ten times a second, in a thread, nothing without a viewer."""
         while True:
             await asyncio.sleep(_DRAW_S)
-            if (self._changed or self._grid_changed) and self._server.get_clients():
-                await asyncio.to_thread(self.draw, time.monotonic())
+            if not self._server.get_clients():
+                continue
+            batch = self.take(time.monotonic())
+            try:
+                await asyncio.to_thread(self.draw, batch)
+            except Exception:  # the next change may well be drawable, and the plan does not need us
+                _log.exception("The 3D scene could not be drawn.")
 
-    def draw(self, now_s: float) -> None:
-        """Bring the scene to the latest values; what is slow to draw only when it is due."""
+    def take(self, now_s: float) -> Batch:
+        """Return what is due and count it as drawn. Called in the thread of ``put``, so they never cross."""
         is_slow_due = now_s - self._slow_drawn_s >= _SLOW_DRAW_S
-        changed = {key for key in self._changed if is_slow_due or key.startswith(("robot/", "victim/"))}
+        changed = {key for key in self._changed if is_slow_due or key.startswith(_FAST)}
         self._changed -= changed
-        for key in sorted(changed):
+        tags, grid = None, None
+        if is_slow_due:
+            self._slow_drawn_s = now_s
+            grid, self._grid = self._grid, None
+            if any(key == "links" or key.startswith("tag/") for key in changed):
+                tags = {key[4:]: value for key, value in self._values.items() if key.startswith("tag/")}
+        pairs = tuple(self._values.get("links", {}).get("pairs", ()))
+        return Batch({key: self._values.get(key) for key in sorted(changed)}, tags, pairs, grid)
+
+    def draw(self, batch: Batch) -> None:
+        """Bring the scene to the values of the batch."""
+        for key, value in batch.values.items():
             kind, _, name = key.partition("/")
             if kind == "robot":
-                self._robots.put(name, self._values.get(key))
+                self._robots.put(name, value)
+                if value is not None:
+                    self._cameras.see(value["x_m"], value["y_m"])
             elif kind == "victim":
-                self._victims.put(name, self._values.get(key))
+                self._victims.put(name, value)
             elif kind == "trail":
-                self._trails.put(name, self._values.get(key))
-        if not is_slow_due:
-            return
-        self._slow_drawn_s = now_s
-        if any(key == "links" or key.startswith("tag/") for key in changed):
-            tags = {key[4:]: value for key, value in self._values.items() if key.startswith("tag/")}
-            self._tags.show(tags, self._values.get("links", {}).get("pairs", ()))
-        if self._grid_changed and self._grid is not None:
-            self._grid_changed = False
-            self._map.show(self._grid)
-            self._keep_in_view()
+                self._trails.put(name, value)
+        if batch.tags is not None:
+            self._tags.show(batch.tags, batch.pairs)
+        if batch.grid is not None:
+            self._map.show(batch.grid)
+            self._cameras.see_grid(batch.grid)
+        self._cameras.keep_in_view()
 
     def stop(self) -> None:
         """Close the port and every viewer's socket. Takes up to a second: call it in a thread."""
         with contextlib.redirect_stdout(io.StringIO()):
             self._server.stop()
 
-    def _welcome(self, client: viser.ClientHandle) -> None:
-        """Give a new viewer its camera and the two buttons that bring it back."""
-        overview = client.gui.add_button("Overview", hint="Look at the whole building at a slant")
-        top = client.gui.add_button("From above", hint="Look straight down")
 
-        @overview.on_click
-        def _(_event: object) -> None:
-            self._look(client, _SLANT)
-
-        @top.on_click
-        def _(_event: object) -> None:
-            self._look(client, 0.02)
-
-        self._look(client, _SLANT)
-
-    def _look(self, client: viser.ClientHandle, slant: float) -> None:
-        """Put a viewer's camera over the middle of what is known; ``slant`` is its distance aside per height."""
-        low, high = self._extent()
-        centre, size_m = (low + high) / 2.0, np.maximum(high - low, 6.0)
-        reach = tan(client.camera.fov / 2.0)  # half the view's height at distance 1
-        distance_m = _MARGIN / 2.0 * max(size_m[1] / reach, size_m[0] / (reach * client.camera.aspect))
-        direction = np.array((0.0, -slant, 1.0)) / hypot(slant, 1.0)
-        position = np.append(centre, 0.0) + distance_m * direction
-        with client.atomic():
-            client.camera.up_direction = (0.0, 0.0, 1.0)
-            client.camera.position = position
-            client.camera.look_at = np.append(centre, 0.0)
-        self._placed[client.client_id] = position
-
-    def _keep_in_view(self) -> None:
-        """Step back as the building grows, for every viewer who has not moved the camera since we placed it."""
-        clients = self._server.get_clients()
-        for gone in self._placed.keys() - clients.keys():
-            del self._placed[gone]
-        for client_id, client in clients.items():
-            placed = self._placed.get(client_id)
-            if placed is not None and np.allclose(client.camera.position, placed, atol=0.05):
-                self._look(client, _SLANT)
-
-    def _extent(self) -> tuple[Any, Any]:
-        """Return the lower and upper corner, (2,) each in metres, of the map and the robots."""
-        points = [
-            (v["x_m"], v["y_m"]) for key, v in tuple(self._values.items()) if key.startswith(("robot/", "victim/"))
-        ]
-        if self._grid is not None:
-            rows, columns = np.nonzero(self._grid.cells >= 0)
-            origin, step = np.array(self._grid.origin_m), self._grid.resolution_m
-            if len(rows):
-                points.append(tuple(origin + step * np.array([columns.min(), rows.min()])))
-                points.append(tuple(origin + step * np.array([columns.max(), rows.max()])))
-        corners = np.array(points or [(0.0, 0.0)])
-        return corners.min(axis=0), corners.max(axis=0)
+def _light(scene: viser.SceneApi) -> None:
+    """Set the console's ground, and lights that leave the robots their colours; viser's own bleach them."""
+    scene.set_up_direction("+z")
+    scene.set_background_image(np.full((2, 2, 3), GROUND, np.uint8), format="png")
+    scene.configure_default_lights(enabled=False, cast_shadow=False)
+    scene.configure_environment_map(None)
+    scene.add_light_ambient("/lights/ambient", intensity=1.6)
+    scene.add_light_directional("/lights/sun", position=(-2.0, -4.0, 6.0), intensity=1.8)

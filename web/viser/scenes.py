@@ -36,7 +36,7 @@ class Scenes:
         self._running: dict[str, _Running] = {}
 
     async def start(self, mission_id: str, board: Board) -> None:
-        """Open a scene for the mission and keep it in step with the board; a second call for it changes nothing."""
+        """Open a scene for the mission and keep it in step with the board; a second call changes nothing."""
         if mission_id in self._running:
             return
         scene = MissionScene()
@@ -51,7 +51,7 @@ class Scenes:
     def update_map(
         self, mission_id: str, cells: Cells, origin_m: tuple[float, float], resolution_m: float
     ) -> None:
-        """Give a mission's scene its latest fused map: int8 (h, w), -1 unknown, 0..100; row = y, row 0 lowest."""
+        """Give a mission's scene its fused map: int8 (h, w), -1 unknown, 0..100; row 0 at the lowest y."""
         if running := self._running.get(mission_id):
             running.scene.update_map(cells, origin_m, resolution_m)
 

@@ -13,14 +13,14 @@ Wxyz = tuple[float, float, float, float]
 
 
 class Mesh(NamedTuple):
-    """A triangle mesh: ``vertices`` (v, 3) in metres, ``faces`` (f, 3) vertex numbers, counter-clockwise outside."""
+    """A triangle mesh: ``vertices`` (v, 3) in metres, ``faces`` (f, 3) counter-clockwise from outside."""
 
     vertices: Floats
     faces: NDArray[np.uint32]
 
 
 def prism(outline: list[tuple[float, float]], height_m: float) -> Mesh:
-    """Return a solid over a star-shaped outline (counter-clockwise, seen from its mean), from z = 0 to the height."""
+    """Return a solid over a counter-clockwise outline, star-shaped from its mean, from z = 0 upwards."""
     n = len(outline)
     ring = np.array([(x, y, 0.0) for x, y in outline], np.float32)
     top = ring + np.array([0.0, 0.0, height_m], np.float32)
@@ -51,6 +51,11 @@ def unit_disc(sides: int = 40) -> Mesh:
     rim = np.stack((np.cos(angles), np.sin(angles), np.zeros(sides)), axis=1)
     faces = [(0, 1 + i, 1 + (i + 1) % sides) for i in range(sides)]
     return Mesh(np.vstack((np.zeros((1, 3)), rim)).astype(np.float32), np.array(faces, np.uint32))
+
+
+def upright(count: int) -> Floats:
+    """Return the quaternions (w, x, y, z) of that many unturned instances, shape (count, 4)."""
+    return np.tile(np.array([1.0, 0.0, 0.0, 0.0], np.float32), (count, 1))
 
 
 def turn_z(angle_rad: float) -> Wxyz:

@@ -10,7 +10,7 @@ import numpy as np
 import viser
 
 from web.viser.colors import TAG
-from web.viser.shapes import prism
+from web.viser.shapes import prism, upright
 
 _HEXAGON = prism([(0.16 * cos(i * pi / 3), 0.16 * sin(i * pi / 3)) for i in range(6)], 0.05)
 _ABOVE_FLOOR_M = 0.03
@@ -32,7 +32,7 @@ class TagsLayer:
                 scene.add_batched_meshes_simple(
                     "/tags/points",
                     *_HEXAGON,
-                    batched_wxyzs=np.tile(np.float32([1.0, 0.0, 0.0, 0.0]), (len(places), 1)),
+                    batched_wxyzs=upright(len(places)),
                     batched_positions=np.array(list(places.values()), np.float32),
                     batched_colors=TAG,
                     lod="off",
@@ -43,6 +43,8 @@ class TagsLayer:
             else:
                 scene.remove_by_name("/tags/points")
             if lines:
-                scene.add_line_segments("/tags/links", np.array(lines, np.float32), TAG, line_width=1.0)
+                scene.add_line_segments(
+                    "/tags/links", np.array(lines, np.float32), TAG, thickness=1.0, thickness_units="screen"
+                )
             else:
                 scene.remove_by_name("/tags/links")

@@ -28,5 +28,9 @@ class TrailsLayer:
             return
         line = np.column_stack((points, np.full(len(points), _ABOVE_FLOOR_M, np.float32)))
         self._scene.add_line_segments(
-            name, np.stack((line[:-1], line[1:]), axis=1), robot_color(robot_id), line_width=2.5
+            name,
+            np.stack((line[:-1], line[1:]), axis=1),
+            robot_color(robot_id),
+            thickness=2.5,
+            thickness_units="screen",
         )

@@ -33,4 +33,6 @@ class VictimsLayer:
             f"{name}/head", 0.26, color, position=(0.0, 0.0, _PIN_M), cast_shadow=False, receive_shadow=False
         )
         label = f"{victim_id}  {victim['confidence']:.0%}"
-        self._scene.add_label(f"{name}/label", label, position=(0.0, 0.0, _PIN_M + 0.6))
+        self._scene.add_label(
+            f"{name}/label", label, position=(0.0, 0.0, _PIN_M + 0.35), anchor="bottom-center"
+        )

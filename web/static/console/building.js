@@ -10,16 +10,6 @@ const FREE = [35, 49, 67];
 const WALL = [222, 232, 244];
 const SHORTEST_PAUSE_MS = 500;
 
-const CanvasOverlay = L.ImageOverlay.extend({
-  _initImage() {
-    const canvas = this._image;
-    L.DomUtil.addClass(canvas, "leaflet-image-layer");
-    L.DomUtil.addClass(canvas, "building");
-    canvas.onselectstart = L.Util.falseFn;
-    canvas.onmousemove = L.Util.falseFn;
-  },
-});
-
 export class Building {
   /**
    * @param {import("leaflet").Map} map
@@ -29,6 +19,7 @@ export class Building {
     this.map = map;
     this.store = store;
     this.canvas = document.createElement("canvas");
+    this.canvas.className = "leaflet-image-layer building";
     /** @type {any} */
     this.overlay = null;
     this.loading = false;
@@ -82,22 +73,25 @@ export class Building {
   #show(bitmap, palette, info) {
     const { canvas } = this;
     const { width, height } = bitmap;
-    const ctx = /** @type {CanvasRenderingContext2D} */ (
-      new OffscreenCanvas(width, height).getContext("2d", { willReadFrequently: true }));
-    ctx.drawImage(bitmap, 0, 0);
-    const image = ctx.getImageData(0, 0, width, height);
-    const free = paint(image.data, palette);
     canvas.width = width;
     canvas.height = height;
-    canvas.getContext("2d")?.putImageData(image, 0, 0);
+    const ctx = canvas.getContext("2d", { willReadFrequently: true });
+    if (!ctx) throw new Error("the browser gives no canvas.");
+    ctx.drawImage(bitmap, 0, 0);
+    bitmap.close();
+    const image = ctx.getImageData(0, 0, width, height);
+    const free = paint(image.data, palette);
+    ctx.putImageData(image, 0, 0);
     this.store.exploredM2 = free * info.resolution_m ** 2;
 
     const [x_m, y_m] = info.origin_m;
     /** @type {[number, number][]} */
     const bounds = [[y_m, x_m], [y_m + height * info.resolution_m, x_m + width * info.resolution_m]];
     if (this.overlay) this.overlay.setBounds(L.latLngBounds(bounds));
-    else this.overlay = new /** @type {any} */ (CanvasOverlay)(canvas, bounds, { pane: "building" });
-    this.overlay._image = canvas;
+    else {
+      this.overlay = L.imageOverlay("", bounds, { pane: "building" });
+      this.overlay._image = canvas; // an image overlay makes its own <img> unless it has an element already
+    }
     if (this.store.layers.map && !this.map.hasLayer(this.overlay)) this.overlay.addTo(this.map);
   }
 }

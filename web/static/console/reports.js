@@ -40,7 +40,7 @@ function VictimCard({ victim, store, onSelect }) {
           <span class="card-name">${id}</span>
           <span class="confidence"><b>${percent(victim.confidence)}</b> sure</span>
         </span>
-        <span class="reason">${seen}, at ${fixed(victim.x_m, 1)}, ${fixed(victim.y_m, 1)} m.</span>
+        <span class="reason">${seen}, at ${fixed(victim.x_m, 1)}\u00a0/\u00a0${fixed(victim.y_m, 1)}\u00a0m.</span>
         ${victim.note && html`<span class="reason">${victim.note}</span>`}
       </button>
       <label class="card-foot">

@@ -8,6 +8,8 @@ import { html } from "./vendor.js";
 /** @import {Store} from "./store.js" */
 /** @import {StopControl} from "./stop_control.js" */
 
+const ROOMY = 5; // more robots than this get shorter cards
+
 /** @type {Record<string, string>} */
 const ACTIVITIES = {
   starting: "Starting", exploring: "Exploring", holding: "Holding", stuck: "Stuck", done: "Finished",
@@ -17,7 +19,7 @@ const LINKS = { live: "Live", late: "Late", lost: "Lost" };
 
 /** @type {Record<string, string>} */
 const STOP_WORDS = {
-  sending: "Stopping", unconfirmed: "Not confirmed", ordered: "Stop ordered", braking: "Braking", stopped: "Stopped",
+  sending: "Stopping", unconfirmed: "No answer", ordered: "Stop ordered", braking: "Braking", stopped: "Stopped",
 };
 
 /** @param {{store: Store, stops: StopControl, onSelect: (id: string) => void}} props */
@@ -26,22 +28,25 @@ export function RobotList({ store, stops, onSelect }) {
   return html`
     <h2 class="panel-title">Robots <span class="count">${robots.length || ""}</span></h2>
     ${robots.length === 0 && html`<p class="hint">
-      ${store.mission ? "No robot has joined this mission yet." : "No mission is open."}</p>`}
-    <ul class="cards">
+      ${store.mission ? "No robot has been heard in this mission yet." : "No mission is open."}</p>`}
+    <ul class=${`cards ${robots.length > ROOMY ? "compact" : ""}`}>
       ${robots.map((robot) => html`<${RobotCard} key=${robot.robot_id} robot=${robot} store=${store} stops=${stops}
-        onSelect=${onSelect} />`)}
+        isCompact=${robots.length > ROOMY} onSelect=${onSelect} />`)}
     </ul>`;
 }
 
-/** @param {{robot: Robot, store: Store, stops: StopControl, onSelect: (id: string) => void}} props */
-function RobotCard({ robot, store, stops, onSelect }) {
+/**
+ * @param {{robot: Robot, store: Store, stops: StopControl, isCompact: boolean,
+ *   onSelect: (id: string) => void}} props
+ */
+function RobotCard({ robot, store, stops, isCompact, onSelect }) {
   const id = robot.robot_id;
   const { link, age_s } = store.linkOf(robot);
   const isSelected = store.isSelectedRobot(id);
   const stop = stops.stateOf(robot);
   const battery = robot.battery;
   const isLow = battery !== null && battery < 0.2;
-  const activity = ACTIVITIES[robot.activity] ?? robot.activity;
+  const state = html`<${State} robot=${robot} isLost=${link === "lost"} isCompact=${isCompact} />`;
   return html`
     <li class=${`card robot-card ${isSelected ? "selected" : ""}`} data-robot=${id} data-link=${link}
         data-stop=${stop} style=${{ "--robot": robotColor(id) }}>
@@ -51,17 +56,13 @@ function RobotCard({ robot, store, stops, onSelect }) {
           <svg class="swatch" viewBox="0 0 32 32" aria-hidden="true">
             <path d="M16 2.5 27 27.5Q27.4 28.9 26 28.3L16 23.6 6 28.3Q4.6 28.9 5 27.5Z" /></svg>
           <span class="card-name">${id}</span>
+          ${isCompact && state}
           <span class=${`link link-${link}`}>
             <i class="dot" aria-hidden="true"></i>${LINKS[link] ?? link}
             <span class="age">${age(age_s)}</span>
           </span>
         </span>
-        <span class="state">
-          <b class=${robot.activity === "stuck" ? "warn" : ""}>${link === "lost" ? `Last known: ${activity.toLowerCase()}` : activity}</b>
-          ${robot.slipping && html`<span class="badge warn">Slipping</span>`}
-          ${!robot.located && html`<span class="badge" title="Not yet joined to the team's map">Not located</span>`}
-          ${robot.agent === "onboard" && html`<span class="badge" title="Decides on board">On board</span>`}
-        </span>
+        ${!isCompact && state}
         <span class="reason">${robot.reason || "No reason given."}</span>
         <span class="figures">
           <${Figure} label="Battery" value=${percent(battery)} warn=${isLow}>
@@ -85,6 +86,21 @@ function RobotCard({ robot, store, stops, onSelect }) {
           <${ResumeButton} stops=${stops} robotId=${id} />
         </div>`}
     </li>`;
+}
+
+/** The robot's state in words; a short card has room for the one that matters most. */
+/** @param {{robot: Robot, isLost: boolean, isCompact: boolean}} props */
+function State({ robot, isLost, isCompact }) {
+  const activity = ACTIVITIES[robot.activity] ?? robot.activity;
+  const slipping = robot.slipping && html`<span class="badge warn">Slipping</span>`;
+  return html`<span class="state">
+    ${isCompact && slipping ? null : html`<b class=${robot.activity === "stuck" ? "warn" : ""}>
+      ${isLost && !isCompact ? `Last known: ${activity.toLowerCase()}` : activity}</b>`}
+    ${slipping}
+    ${!isCompact && !robot.located && html`<span class="badge" title="Not yet joined to the team's map">
+      Not located</span>`}
+    ${!isCompact && robot.agent === "onboard" && html`<span class="badge" title="Decides on board">On board</span>`}
+  </span>`;
 }
 
 /** @param {{label: string, value: string, warn?: boolean, children?: unknown}} props */

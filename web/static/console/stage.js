@@ -83,7 +83,7 @@ function PlanWords({ store }) {
   }
   if (store.robots.size === 0) {
     return html`<${Words} title="Waiting for robots">
-      The mission is open; no robot has joined it yet.<//>`;
+      The mission is open; no robot has been heard yet.<//>`;
   }
   if (!store.map && [...store.robots.values()].every((robot) => robot.heard_unix_s == null)) {
     return html`<${Words} title="Waiting for the first observation" isBusy=${true}>

@@ -54,6 +54,7 @@ export class StopControl {
     if (!missionId) return;
     const mine = { order, tries: 0, error: "" };
     this.pending.set(key, mine);
+    const alarm = `STOP for ${key === ALL ? "all robots" : key} is NOT confirmed.`;
     const isCurrent = () => this.pending.get(key) === mine && store.missionId === missionId;
     while (isCurrent()) {
       mine.tries += 1;
@@ -67,15 +68,12 @@ export class StopControl {
           store.notify(`${key === ALL ? "The robots were" : `${key} was`} not resumed. ${mine.error}`);
           break;
         }
-        store.notify(
-          `STOP for ${key === ALL ? "all robots" : key} is NOT confirmed. ${mine.error} It is being sent again.`,
-          "alarm");
-        store.changed();
+        store.notify(`${alarm} ${mine.error} It is being sent again.`, "alarm");
         await new Promise((resolve) => setTimeout(resolve, RETRY_MS));
       }
     }
     if (this.pending.get(key) === mine) this.pending.delete(key);
-    store.changed();
+    store.withdraw(alarm);
   }
 
   /**

@@ -20,6 +20,30 @@ export const LAYERS = /** @type {const} */ ({
 });
 
 export class Store {
+  /** @type {Mission | null} */
+  mission = null;
+  /** @type {Map<string, Robot>} */
+  robots = new Map();
+  /** @type {Map<string, Trail>} */
+  trails = new Map();
+  /** @type {Map<string, Tag>} */
+  tags = new Map();
+  /** @type {Map<string, Victim>} */
+  victims = new Map();
+  /** @type {Map<string, Annotation>} */
+  annotations = new Map();
+  /** @type {Map<string, MissionEvent>} */
+  events = new Map();
+  /** @type {[string, string][]} */
+  links = [];
+  /** @type {MapInfo | null} */
+  map = null;
+  /** Kind in a board key -> what has an id of that kind. @type {Record<string, Map<string, any>>} */
+  keyed = {
+    robot: this.robots, trail: this.trails, tag: this.tags, victim: this.victims, annotation: this.annotations,
+    event: this.events,
+  };
+
   constructor() {
     /** @type {Mission[]} */
     this.missions = [];
@@ -48,27 +72,12 @@ export class Store {
     this.listeners = new Set();
     this.frame = 0;
     this.noticeCount = 0;
-    this.clearBoard();
   }
 
   clearBoard() {
-    /** @type {Mission | null} */
+    for (const map of Object.values(this.keyed)) map.clear();
     this.mission = null;
-    /** @type {Map<string, Robot>} */
-    this.robots = new Map();
-    /** @type {Map<string, Trail>} */
-    this.trails = new Map();
-    /** @type {Map<string, Tag>} */
-    this.tags = new Map();
-    /** @type {Map<string, Victim>} */
-    this.victims = new Map();
-    /** @type {Map<string, Annotation>} */
-    this.annotations = new Map();
-    /** @type {Map<string, MissionEvent>} */
-    this.events = new Map();
-    /** @type {[string, string][]} */
     this.links = [];
-    /** @type {MapInfo | null} */
     this.map = null;
   }
 
@@ -104,14 +113,9 @@ export class Store {
   #put(key, value) {
     const slash = key.indexOf("/");
     const [kind, id] = slash < 0 ? [key, ""] : [key.slice(0, slash), key.slice(slash + 1)];
-    /** @type {Record<string, Map<string, any>>} */
-    const keyed = {
-      robot: this.robots, trail: this.trails, tag: this.tags, victim: this.victims, annotation: this.annotations,
-      event: this.events,
-    };
-    if (kind in keyed) {
-      if (value === null) keyed[kind].delete(id);
-      else keyed[kind].set(id, value);
+    if (Object.hasOwn(this.keyed, kind)) {
+      if (value === null) this.keyed[kind].delete(id);
+      else this.keyed[kind].set(id, value);
     } else if (kind === "mission") this.mission = value;
     else if (kind === "links") this.links = value?.pairs ?? [];
     else if (kind === "map") this.map = value;
@@ -158,6 +162,12 @@ export class Store {
     if ([...this.notices.values()].some((notice) => notice.text === text)) return;
     this.notices.set(++this.noticeCount, { text, level });
     if (this.notices.size > 4) this.notices.delete(/** @type {number} */ (this.notices.keys().next().value));
+    this.changed();
+  }
+
+  /** Take back what is no longer so. @param {string} beginning of the notices' texts */
+  withdraw(beginning) {
+    for (const [number, { text }] of this.notices) if (text.startsWith(beginning)) this.notices.delete(number);
     this.changed();
   }
 

@@ -1,0 +1,280 @@
+"""The console in a real browser, on the real server: a robot moves, a victim appears, STOP works."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import threading
+from collections.abc import Callable, Iterator
+from math import atan2, cos, hypot, inf, pi, sin
+from pathlib import Path
+from typing import Any
+
+import httpx
+import pytest
+from fastapi import FastAPI
+from playwright.sync_api import Browser, ConsoleMessage, Page, expect, sync_playwright
+from server.app import create_app
+
+from server.settings import Settings
+
+pytestmark = pytest.mark.browser
+
+MISSION = "drill"
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+FLAGS = [
+    "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
+    "--ignore-gpu-blocklist", "--disable-background-networking", "--disable-component-update",
+    "--disable-default-apps", "--disable-sync", "--no-first-run",
+]  # fmt: skip
+SOON_MS = 15_000
+FIRST_MS = 60_000  # the first observations may have to wait for the agent's kernels to compile
+
+
+class SmallRobot:
+    """A robot without faults in a rectangular room, driven by the server's commands through the API."""
+
+    ROOM = (-3.0, -2.0, 5.0, 4.0)  # smallest x and y, largest x and y, in metres
+    VICTIM = (2.5, 2.0)
+    PERIOD_S = 0.2
+    BEAMS = 181
+
+    def __init__(self, client: httpx.Client, robot_id: str) -> None:
+        self.client = client
+        self.address = f"/api/v1/missions/{MISSION}/robots/{robot_id}/observations"
+        registration = {
+            "robot_id": robot_id,
+            "agent": "server",
+            "silence": {"after_s": 2.0, "policy": "hold"},
+        }
+        client.post(f"/api/v1/missions/{MISSION}/robots", json=registration).raise_for_status()
+        self.x = self.y = self.yaw = 0.0
+        self.seq = 0
+        self.linear = self.angular = 0.0
+        self.over = threading.Event()
+        self.failure: Exception | None = None
+        self.thread = threading.Thread(target=self._run, daemon=True)
+        self.thread.start()
+
+    def stop(self) -> None:
+        self.over.set()
+        self.thread.join(timeout=20)
+
+    def _run(self) -> None:
+        try:
+            while not self.over.wait(self.PERIOD_S):
+                reply = self.client.post(
+                    self.address, json={"observations": [self._observation()]}, timeout=60
+                )
+                reply.raise_for_status()
+                command = reply.json()["command"]
+                self.linear, self.angular = command["linear_mps"], command["angular_radps"]
+        except httpx.HTTPError as error:
+            if not self.over.is_set():
+                self.failure = error
+
+    def _observation(self) -> dict[str, Any]:
+        turn = self.angular * self.PERIOD_S
+        distance = min(self.linear * self.PERIOD_S, self._range(self.yaw + turn) - 0.3)
+        self.yaw = atan2(sin(self.yaw + turn), cos(self.yaw + turn))
+        self.x += distance * cos(self.yaw)
+        self.y += distance * sin(self.yaw)
+        bearings = [-pi / 2 + i * pi / (self.BEAMS - 1) for i in range(self.BEAMS)]
+        dx, dy = self.VICTIM[0] - self.x, self.VICTIM[1] - self.y
+        observation = {
+            "seq": self.seq,
+            "stamp_s": self.seq * self.PERIOD_S,
+            "odometry": {"kind": "distance_turn", "distance_m": distance, "turn_rad": turn},
+            "imu": {"yaw_rad": self.yaw, "roll_rad": 0.0, "pitch_rad": 0.0},
+            "scan": {
+                "ranges_m": [self._range(self.yaw + bearing) for bearing in bearings],
+                "angle_min_rad": -pi / 2,
+                "angle_increment_rad": pi / (self.BEAMS - 1),
+                "range_max_m": 12.0,
+            },
+            "heat": [
+                {
+                    "bearing_rad": atan2(dy, dx) - self.yaw,
+                    "range_m": hypot(dx, dy),
+                    "confidence": 0.9,
+                }
+            ],
+            "battery": 0.8,
+            "tags_left": 100,
+        }
+        self.seq += 1
+        return observation
+
+    def _range(self, direction: float) -> float:
+        """Distance to the wall of the room in a direction of the world, in metres."""
+        low_x, low_y, high_x, high_y = self.ROOM
+        c, s = cos(direction), sin(direction)
+        to_x = ((high_x if c > 0 else low_x) - self.x) / c if abs(c) > 1e-9 else inf
+        to_y = ((high_y if s > 0 else low_y) - self.y) / s if abs(s) > 1e-9 else inf
+        return min(to_x, to_y)
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Browser]:
+    if CHROMIUM is None:
+        if os.environ.get("CI"):
+            pytest.fail("no Chromium on this machine: the browser tests cannot run")
+        pytest.skip("no Chromium on this machine")
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
+        yield browser
+        browser.close()
+
+
+@pytest.fixture
+def host(serve: Callable[[FastAPI], str], tmp_path: Path) -> str:
+    return serve(create_app(Settings(data_dir=tmp_path)))
+
+
+@pytest.fixture
+def client(host: str) -> Iterator[httpx.Client]:
+    with httpx.Client(base_url=f"http://{host}", timeout=30) as client:
+        yield client
+
+
+class OpenPage:
+    """A page and the errors it logged."""
+
+    def __init__(self, page: Page) -> None:
+        self.page = page
+        self.errors: list[str] = []
+        page.on("console", self._log)
+        page.on("pageerror", lambda error: self.errors.append(str(error)))
+
+    def _log(self, message: ConsoleMessage) -> None:
+        if message.type == "error":
+            self.errors.append(message.text)
+
+
+@pytest.fixture
+def opened(browser: Browser) -> Iterator[OpenPage]:
+    page = browser.new_page(viewport={"width": 1280, "height": 800})
+    yield OpenPage(page)
+    page.close()
+
+
+def create_mission(client: httpx.Client) -> None:
+    client.post("/api/v1/missions", json={"name": "Drill", "mission_id": MISSION}).raise_for_status()
+
+
+def test_an_empty_server_says_how_to_begin_and_opens_the_first_mission(
+    opened: OpenPage, client: httpx.Client, host: str
+) -> None:
+    page = opened.page
+    page.goto(f"http://{host}/")
+    expect(page.get_by_text("No mission yet")).to_be_visible(timeout=SOON_MS)
+    expect(page.get_by_role("button", name="STOP ALL")).to_be_disabled()
+    create_mission(client)
+    expect(page.get_by_text("Waiting for robots")).to_be_visible(timeout=SOON_MS)
+    expect(page.locator(".connection")).to_have_text("Live")
+    assert opened.errors == []
+
+
+def test_an_unknown_mission_is_named_as_the_reason(opened: OpenPage, client: httpx.Client, host: str) -> None:
+    create_mission(client)
+    opened.page.goto(f"http://{host}/console?mission=nowhere")
+    expect(opened.page.get_by_text("This mission cannot be shown")).to_be_visible(timeout=SOON_MS)
+
+
+def test_a_mission_is_watched_and_stopped(
+    opened: OpenPage, client: httpx.Client, host: str, serve: Any
+) -> None:
+    page = opened.page
+    create_mission(client)
+    robot = SmallRobot(client, "r1")
+    try:
+        page.goto(f"http://{host}/console")
+        card = page.locator(".robot-card[data-robot=r1]")
+        mark = page.locator(".mark.robot[data-robot=r1]")
+        expect(card).to_have_attribute("data-link", "live", timeout=FIRST_MS)
+        expect(mark).to_be_visible()
+
+        # it moves, and the building grows around it
+        page.wait_for_function(
+            "() => parseFloat(document.querySelectorAll('.robot-card .figure-value')[2].textContent) > 0.5",
+            timeout=FIRST_MS,
+        )
+        expect(page.locator("canvas.building")).to_be_attached(timeout=SOON_MS)
+        explored = page.locator(".bar-figure", has_text="Explored").locator("dd")
+        page.wait_for_function("element => parseInt(element.textContent) > 10", arg=explored.element_handle())
+
+        # a victim appears, and its status is changed by hand
+        victim = page.locator(".victim-card").first
+        expect(victim).to_be_visible(timeout=FIRST_MS)
+        expect(page.locator(".mark.victim").first).to_be_attached()
+        victim.get_by_label("Status").select_option("confirmed")
+        expect(victim).to_have_attribute("data-status", "confirmed", timeout=SOON_MS)
+
+        # selecting shows the plan; STOP is confirmed, RESUME asks twice
+        card.locator(".card-body").click()
+        expect(card.locator(".card-body")).to_have_attribute("aria-pressed", "true")
+        page.get_by_role("button", name="Stop r1").click()
+        expect(card).to_have_attribute("data-stop", "stopped", timeout=SOON_MS)
+        assert (robot.linear, robot.angular) == (0.0, 0.0)
+        card.get_by_role("button", name="Resume r1").click()
+        expect(card).to_have_attribute("data-stop", "stopped")
+        card.get_by_role("button", name="Confirm: resume r1").click()
+        expect(card).to_have_attribute("data-stop", "free", timeout=SOON_MS)
+
+        # a STOP that does not get through is said to be unconfirmed, and is sent until it does
+        assert opened.errors == []
+        page.route("**/stop", lambda route: route.abort())
+        page.get_by_role("button", name="Stop r1").click()
+        expect(card).to_have_attribute("data-stop", "unconfirmed", timeout=SOON_MS)
+        expect(page.locator(".notice-alarm")).to_contain_text("STOP for r1 is NOT confirmed")
+        page.unroute("**/stop")
+        expect(card).to_have_attribute("data-stop", "stopped", timeout=SOON_MS)
+        expect(page.locator(".notice-alarm")).to_have_count(0)
+        opened.errors.clear()  # the browser logs each request that was cut off
+        card.get_by_role("button", name="Resume r1").click()
+        card.get_by_role("button", name="Confirm: resume r1").click()
+        expect(card).to_have_attribute("data-stop", "free", timeout=SOON_MS)
+
+        page.get_by_role("button", name="STOP ALL").click()
+        expect(page.get_by_text("All stopped", exact=True)).to_be_visible(timeout=SOON_MS)
+        assert robot.failure is None
+        assert opened.errors == []
+
+        # the robot falls silent, then the server ends: neither passes for live
+        robot.stop()
+        expect(mark).to_have_attribute("data-link", "late", timeout=SOON_MS)
+        expect(card.locator(".stop-state")).to_have_text("Stop ordered")
+        serve.stop(host)
+        expect(page.locator("#veil")).to_contain_text("STALE since", timeout=SOON_MS)
+        expect(page.locator(".connection")).to_have_text("Stale")
+    finally:
+        robot.stop()
+
+
+def test_the_3d_view_opens_beside_the_plan(opened: OpenPage, client: httpx.Client, host: str) -> None:
+    page = opened.page
+    create_mission(client)
+    page.goto(f"http://{host}/console")
+    expect(page.locator(".connection")).to_have_text("Live", timeout=SOON_MS)
+    assert page.locator("iframe").count() == 0, "nothing of the 3D view is loaded before it is asked for"
+    page.get_by_role("button", name="3D", exact=True).click()
+    canvas = page.frame_locator("#scene-pane iframe").locator("canvas").first
+    expect(canvas).to_be_visible(timeout=FIRST_MS)
+    assert opened.errors == []
+
+
+def test_a_phone_sees_stop_and_one_panel_at_a_time(browser: Browser, client: httpx.Client, host: str) -> None:
+    create_mission(client)
+    page = browser.new_page(viewport={"width": 360, "height": 740}, has_touch=True)
+    try:
+        page.goto(f"http://{host}/console")
+        expect(page.get_by_text("No robot has been heard in this mission")).to_be_visible(timeout=SOON_MS)
+        stop = page.get_by_role("button", name="STOP ALL").bounding_box()
+        assert stop is not None
+        assert stop["x"] + stop["width"] <= 360
+        assert page.evaluate("document.documentElement.scrollWidth") <= 360
+        page.get_by_role("button", name="Events").tap()
+        expect(page.locator("#events")).to_be_visible()
+        expect(page.locator("#robots")).to_be_hidden()
+    finally:
+        page.close()

@@ -1,0 +1,140 @@
+"""The pages and their files: what is served, with which headers, and what without the npm packages."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import httpx
+import pytest
+from fastapi import FastAPI
+
+from web.mount import NODE_MODULES, STATIC, VENDOR_FILES, mount_web
+from web.viser.colors import ROBOT_COLORS, robot_color
+
+HAS_PACKAGES = all((NODE_MODULES / name).is_file() for name in VENDOR_FILES.values())
+
+
+@pytest.fixture
+def packages(tmp_path: Path) -> Path:
+    for name in VENDOR_FILES.values():
+        path = tmp_path / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(f"/* {name} */")
+    (tmp_path / "secret.txt").write_text("not for anybody")
+    return tmp_path
+
+
+@pytest.fixture
+def client(packages: Path, serve: Callable[[FastAPI], str]) -> Iterator[httpx.Client]:
+    app = FastAPI()
+    mount_web(app, node_modules=packages)
+    with httpx.Client(base_url=f"http://{serve(app)}") as client:
+        yield client
+
+
+@pytest.mark.parametrize("address", ["/", "/console"])
+def test_the_console_is_served_under_a_strict_policy(client: httpx.Client, address: str) -> None:
+    response = client.get(address)
+    assert response.status_code == 200
+    assert "<title>Waymark</title>" in response.text
+    policy = response.headers["content-security-policy"].split("; ")
+    assert {"default-src 'none'", "script-src 'self'", "frame-ancestors 'self'"} <= set(policy)
+    assert response.headers["x-content-type-options"] == "nosniff"
+    assert response.headers["referrer-policy"] == "no-referrer"
+
+
+@pytest.mark.parametrize(
+    "address", ["/", "/console", "/favicon.ico", "/static/console/main.js", "/vendor/leaflet/leaflet.js"]
+)
+def test_head_is_answered_like_get_without_a_body(client: httpx.Client, address: str) -> None:
+    response = client.head(address)
+    assert response.status_code == 200
+    assert response.content == b""
+    assert int(response.headers["content-length"]) > 0
+
+
+@pytest.mark.parametrize(
+    "address", ["/console", "/static/console/main.js", "/vendor/preact/preact.module.js"]
+)
+def test_a_file_the_browser_has_already_is_not_sent_again(client: httpx.Client, address: str) -> None:
+    first = client.get(address)
+    assert first.headers["cache-control"] == "no-cache"
+    again = client.get(address, headers={"If-None-Match": first.headers["etag"]})
+    assert again.status_code == 304
+    assert again.content == b""
+
+
+def test_modules_have_a_type_that_browsers_run(client: httpx.Client) -> None:
+    for address in ("/static/console/main.js", "/vendor/htm/htm.module.js"):
+        assert "javascript" in client.get(address).headers["content-type"]
+    assert client.get("/favicon.ico").headers["content-type"].startswith("image/svg+xml")
+
+
+@pytest.mark.parametrize(
+    "address", ["secret.txt", "../package.json", "%2e%2e/package.json", "leaflet/dist/leaflet.js", ""]
+)
+def test_only_the_listed_vendor_files_are_served(client: httpx.Client, address: str) -> None:
+    response = client.get(f"/vendor/{address}")
+    assert response.status_code == 404
+
+
+def test_without_packages_the_page_says_what_to_do(tmp_path: Path, serve: Callable[[FastAPI], str]) -> None:
+    app = FastAPI()
+    mount_web(app, node_modules=tmp_path / "node_modules")
+    with httpx.Client(base_url=f"http://{serve(app)}") as client:
+        response = client.get("/")
+        assert response.status_code == 503
+        assert "make setup" in response.text
+        assert client.get("/vendor/leaflet/leaflet.js").status_code == 404
+
+
+@pytest.mark.skipif(not HAS_PACKAGES, reason="the npm packages are not installed: run make setup")
+def test_every_module_the_pages_import_exists() -> None:
+    for module in STATIC.rglob("*.js"):
+        for address in re.findall(r'(?:from|import) "([^"]+)"', module.read_text()):
+            if address.startswith("/vendor/"):
+                target = NODE_MODULES / VENDOR_FILES[address.removeprefix("/vendor/")]
+            else:
+                target = module.parent / address
+            assert target.is_file(), f"{module.name} imports {address}"
+
+
+def test_every_file_the_console_links_is_served(client: httpx.Client) -> None:
+    links = re.findall(r'(?:href|src)="(/[^"]+)"', client.get("/console").text)
+    assert len(links) >= 7
+    assert {link: client.get(link).status_code for link in links} == dict.fromkeys(links, 200)
+
+
+def test_no_page_writes_text_as_markup() -> None:
+    """Robots, tags and people write what the console shows: it must never be parsed as HTML."""
+    for module in STATIC.rglob("*.js"):
+        text = module.read_text()
+        for name in (
+            "innerHTML",
+            "outerHTML",
+            "insertAdjacentHTML",
+            "document.write",
+            "dangerouslySetInnerHTML",
+        ):
+            assert name not in text, f"{module.name} uses {name}"
+        assert not re.search(r"\beval\(|new Function\(", text), module.name
+
+
+def test_the_lock_file_pins_without_naming_a_host() -> None:
+    lock = (NODE_MODULES.parent / "package-lock.json").read_text()
+    assert '"integrity"' in lock
+    assert "resolved" not in lock
+    assert "://" not in re.sub(r'"url": "[^"]*"', "", lock)
+
+
+def test_plan_and_scene_give_a_robot_the_same_color() -> None:
+    script = (STATIC / "console" / "color.js").read_text()
+    codes = re.findall(r'"(#[0-9a-f]{6})"', script)
+    assert tuple(tuple(bytes.fromhex(code[1:])) for code in codes) == ROBOT_COLORS
+    assert robot_color("r1") == ROBOT_COLORS[0]
+    assert robot_color("rover12") == ROBOT_COLORS[11]
+    assert robot_color("r13") == ROBOT_COLORS[0]
+    assert robot_color("alpha") == robot_color("alpha")
+    assert robot_color("alpha") != robot_color("bravo")
