@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import asdict, fields
 from typing import Any
 
-from sqlalchemy import Connection, and_, insert, select, update
+from sqlalchemy import Connection, and_, delete, insert, select, update
 
 from db import tables
 from db.engine import Database, upsert
@@ -38,6 +38,15 @@ class FindingStore:
         await self._database.write(
             lambda c: c.execute(update(tables.victims).where(chosen).values(said)), durable=True
         )
+
+    async def forget_victims(self, mission_id: str, victim_ids: Sequence[str]) -> None:
+        """Drop victims that turned out to be others; those about whom a person has said something stay."""
+        chosen = and_(
+            tables.victims.c.mission_id == mission_id,
+            tables.victims.c.victim_id.in_(victim_ids),
+            tables.victims.c.by == "",
+        )
+        await self._database.write(lambda c: c.execute(delete(tables.victims).where(chosen)), durable=True)
 
     async def victims_of(self, mission_id: str) -> list[VictimRecord]:
         """Return the victims of a mission by id."""

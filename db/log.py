@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import AsyncIterator, Sequence
 from functools import partial
+from typing import Any
 
-from sqlalchemy import ColumnElement, Connection, and_, select, update
+from sqlalchemy import ColumnElement, Connection, Select, and_, select, update
 
 from db.engine import Database, insert_missing, upsert
 from db.records import ObservationRecord, SnapshotRecord
@@ -30,6 +31,7 @@ class LogStore:
                 "robot_id": robot_id,
                 "seq": record.seq,
                 "stamp_s": record.stamp_s,
+                "received_unix_s": record.received_unix_s,
                 "body": record.body,
             }
             for record in records
@@ -39,7 +41,7 @@ class LogStore:
     async def observations_after(
         self, mission_id: str, robot_id: str, seq: int, until: int | None = None
     ) -> AsyncIterator[ObservationRecord]:
-        """Yield the observations after ``seq`` up to ``until`` in order, save those marked with a fault."""
+        """Yield the observations after ``seq`` up to ``until`` in order."""
         query = partial(_page, mission_id=mission_id, robot_id=robot_id, until=until)
         while True:
             page = await self._database.read(partial(query, seq=seq))
@@ -49,22 +51,14 @@ class LogStore:
                 return
             seq = page[-1].seq
 
-    async def last_observation(self, mission_id: str, robot_id: str) -> tuple[int, float] | None:
-        """Return seq and stamp of the latest observation, None when there is none."""
-
-        def query(connection: Connection) -> tuple[int, float] | None:
-            row = connection.execute(
-                select(observations.c.seq, observations.c.stamp_s)
-                .where(_of(mission_id, robot_id))
-                .order_by(observations.c.seq.desc())
-                .limit(1)
-            ).first()
-            return (row.seq, row.stamp_s) if row else None
-
-        return await self._database.read(query)
+    async def last_observation(self, mission_id: str, robot_id: str) -> ObservationRecord | None:
+        """Return the latest observation, None when there is none."""
+        query = select(observations).where(_of(mission_id, robot_id)).order_by(observations.c.seq.desc())
+        found = await self._database.read(lambda c: _records(c, query.limit(1)))
+        return found[0] if found else None
 
     async def record_fault(self, mission_id: str, robot_id: str, seq: int, fault: str) -> None:
-        """Mark an observation that the agent cannot take, so that replays leave it out."""
+        """Mark an observation that the agent cannot take."""
         chosen = and_(_of(mission_id, robot_id), observations.c.seq == seq)
         await self._database.write(
             lambda c: c.execute(update(observations).where(chosen).values(fault=fault))
@@ -77,7 +71,7 @@ class LogStore:
             "robot_id": robot_id,
             "seq": snapshot.seq,
             "body": snapshot.body,
-            "commands": [list(item) for item in snapshot.commands],
+            "updates": [list(item) for item in snapshot.updates],
         }
         await self._database.write(lambda c: upsert(c, agent_snapshots, [row]))
 
@@ -92,7 +86,7 @@ class LogStore:
             ).first()
             if row is None:
                 return None
-            return SnapshotRecord(row.seq, row.body, tuple((seq, text) for seq, text in row.commands))
+            return SnapshotRecord(row.seq, row.body, tuple((seq, text) for seq, text in row.updates))
 
         return await self._database.read(query)
 
@@ -104,10 +98,12 @@ def _of(mission_id: str, robot_id: str) -> ColumnElement[bool]:
 def _page(
     connection: Connection, mission_id: str, robot_id: str, seq: int, until: int | None
 ) -> list[ObservationRecord]:
-    query = select(observations.c.seq, observations.c.stamp_s, observations.c.body).where(
-        _of(mission_id, robot_id), observations.c.seq > seq, observations.c.fault.is_(None)
-    )
+    query = select(observations).where(_of(mission_id, robot_id), observations.c.seq > seq)
     if until is not None:
         query = query.where(observations.c.seq <= until)
-    rows = connection.execute(query.order_by(observations.c.seq).limit(_PAGE))
-    return [ObservationRecord(row.seq, row.stamp_s, row.body) for row in rows]
+    return _records(connection, query.order_by(observations.c.seq).limit(_PAGE))
+
+
+def _records(connection: Connection, query: Select[Any]) -> list[ObservationRecord]:
+    rows = connection.execute(query)
+    return [ObservationRecord(r.seq, r.stamp_s, r.received_unix_s, r.body, r.fault) for r in rows]

@@ -55,20 +55,22 @@ class RobotRecord:
 
 @dataclass(frozen=True, slots=True)
 class ObservationRecord:
-    """One line of the log: ``body`` is the encoded ``Observation``."""
+    """One line of the log: ``body`` is the encoded ``Observation``; ``fault`` says why the agent cannot take it."""
 
     seq: int
     stamp_s: float
+    received_unix_s: float
     body: bytes
+    fault: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class SnapshotRecord:
-    """An agent's state after observation ``seq``, and its latest commands: (seq, encoded text)."""
+    """An agent's state after observation ``seq``, and its latest updates in short: (seq, encoded text)."""
 
     seq: int
     body: bytes
-    commands: tuple[tuple[int, str], ...]
+    updates: tuple[tuple[int, str], ...]
 
 
 @dataclass(frozen=True, slots=True)

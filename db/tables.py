@@ -72,8 +72,9 @@ observations = Table(
     Column("robot_id", ID, primary_key=True),
     Column("seq", NUMBER, primary_key=True, autoincrement=False),
     Column("stamp_s", Float, nullable=False),
+    Column("received_unix_s", Float, nullable=False),
     Column("body", LargeBinary, nullable=False),  # robots.codec of Observation
-    Column("fault", Text),  # why the agent could not take it; it is left out when the log is replayed
+    Column("fault", Text),  # why the agent could not take it; an empty one takes its place
     _of_robot(),
 )
 
@@ -84,7 +85,7 @@ agent_snapshots = Table(
     Column("robot_id", ID, primary_key=True),
     Column("seq", NUMBER, nullable=False),  # of the last observation that is in it
     Column("body", LargeBinary, nullable=False),
-    Column("commands", JSON, nullable=False),  # the latest commands, for robots that ask again
+    Column("updates", JSON, nullable=False),  # the latest in short, for robots that ask again
     _of_robot(),
 )
 

@@ -51,7 +51,7 @@ def _robot(robot_id: str, start: StartPoseRecord | None = None) -> RobotRecord:
 
 
 def _lines(*seqs: int) -> list[ObservationRecord]:
-    return [ObservationRecord(seq, seq * 0.05, b"body %d" % seq) for seq in seqs]
+    return [ObservationRecord(seq, seq * 0.05, 100.0, b"body %d" % seq) for seq in seqs]
 
 
 def test_missions_robots_and_who_is_stopped(story) -> None:
@@ -74,24 +74,25 @@ def test_missions_robots_and_who_is_stopped(story) -> None:
 def test_appending_again_changes_nothing(story) -> None:
     async def first(store: Store) -> None:
         await store.log.append_observations(M, "r1", _lines(0, 1, 2))
-        await store.log.append_observations(M, "r1", [ObservationRecord(2, 9.0, b"other"), *_lines(3)])
+        await store.log.append_observations(M, "r1", [ObservationRecord(2, 9.0, 100.0, b"other"), *_lines(3)])
         await store.log.append_observations(M, "r1", [])
 
     async def second(store: Store) -> None:
         found = [record async for record in store.log.observations_after(M, "r1", -1)]
         assert found == _lines(0, 1, 2, 3)
-        assert await store.log.last_observation(M, "r1") == (3, 3 * 0.05)
+        assert await store.log.last_observation(M, "r1") == _lines(3)[0]
         assert await store.log.last_observation(M, "nobody") is None
 
     story(first, second)
 
 
-def test_the_log_streams_in_order_over_many_pages_without_the_faulty(story) -> None:
+def test_the_log_streams_in_order_over_many_pages_with_its_faults(story) -> None:
     async def part(store: Store) -> None:
         await store.log.append_observations(M, "r1", _lines(*range(700)))
         await store.log.record_fault(M, "r1", 300, "the agent died on it")
-        seqs = [record.seq async for record in store.log.observations_after(M, "r1", 9, until=650)]
-        assert seqs == [seq for seq in range(10, 651) if seq != 300]
+        found = [record async for record in store.log.observations_after(M, "r1", 9, until=650)]
+        assert [record.seq for record in found] == list(range(10, 651))
+        assert {record.seq: record.fault for record in found if record.fault} == {300: "the agent died on it"}
 
     story(part)
 
@@ -183,6 +184,18 @@ def test_what_people_said_of_a_victim_outlives_new_measurements(story) -> None:
         ]
 
     story(first, second)
+
+
+def test_only_victims_nobody_spoke_of_are_forgotten(story) -> None:
+    def victim(victim_id: str, by: str) -> VictimRecord:
+        return VictimRecord(victim_id, PointRecord(0, 0, 1, 0, 1), 0.9, 3, (), 1.0, 2.0, by=by)
+
+    async def part(store: Store) -> None:
+        await store.findings.record_victims(M, [victim("1", ""), victim("2", "Ada"), victim("3", "")])
+        await store.findings.forget_victims(M, ["1", "2"])
+        assert [found.victim_id for found in await store.findings.victims_of(M)] == ["2", "3"]
+
+    story(part)
 
 
 def test_annotations_and_events(story) -> None:

@@ -128,7 +128,7 @@ def upgrade() -> None:
         sa.Column("robot_id", sa.String(length=100), nullable=False),
         sa.Column("seq", sa.BigInteger().with_variant(sa.Integer(), "sqlite"), nullable=False),
         sa.Column("body", sa.LargeBinary(), nullable=False),
-        sa.Column("commands", sa.JSON(), nullable=False),
+        sa.Column("updates", sa.JSON(), nullable=False),
         sa.ForeignKeyConstraint(
             ["mission_id", "robot_id"],
             ["robots.mission_id", "robots.robot_id"],
@@ -182,6 +182,7 @@ def upgrade() -> None:
             "seq", sa.BigInteger().with_variant(sa.Integer(), "sqlite"), autoincrement=False, nullable=False
         ),
         sa.Column("stamp_s", sa.Float(), nullable=False),
+        sa.Column("received_unix_s", sa.Float(), nullable=False),
         sa.Column("body", sa.LargeBinary(), nullable=False),
         sa.Column("fault", sa.Text(), nullable=True),
         sa.ForeignKeyConstraint(
