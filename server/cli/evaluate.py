@@ -17,7 +17,9 @@ def evaluate(
     max_gap: Annotated[
         float, typer.Option(metavar="S", help="Leave out poses in gaps of the truth of S seconds or more.")
     ] = 0.5,
-    interval: Annotated[float, typer.Option(metavar="S", help="Time over which the relative error is taken.")] = 1.0,
+    interval: Annotated[
+        float, typer.Option(metavar="S", help="Time over which the relative error is taken.")
+    ] = 1.0,
     json: JsonOption = False,
 ) -> None:
     """Print the absolute (rigidly aligned) and the relative error of a trajectory in TUM format."""

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import os
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -10,6 +12,9 @@ import typer
 from server.cli.console import CommandError
 
 JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout and nothing else.")]
+OutOption = Annotated[
+    Path | None, typer.Option(metavar="DIR", help="Write trajectories, tags.csv, map.png and map.yaml there.")
+]
 
 
 def finite(name: str, value: float, above: float | None = None, at_least: float | None = None) -> float:
@@ -25,3 +30,19 @@ def finite(name: str, value: float, above: float | None = None, at_least: float 
     if at_least is not None and value < at_least:
         raise CommandError(f"{name} has to be {at_least:g} or more, not {value:g}")
     return value
+
+
+def check_writable(folder: Path | None) -> None:
+    """Create the folder for the results, before the work that they take.
+
+    Raises:
+        CommandError: nothing can be written there.
+    """
+    if folder is None:
+        return
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise CommandError(f"--out {folder}: cannot create the folder ({error.strerror})") from error
+    if not os.access(folder, os.W_OK):
+        raise CommandError(f"--out {folder}: the folder cannot be written to")

@@ -1,0 +1,59 @@
+"""`waymark demo`: mission control with a simulated team at work, in one go."""
+
+from __future__ import annotations
+
+import tempfile
+import time
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from server.cli.options import finite
+from server.cli.serve import DataOption, HostOption, PortOption, address, make_settings, run_server
+
+
+def demo(
+    robots: Annotated[int, typer.Option(metavar="N", help="Robots in the team.")] = 4,
+    map_spec: Annotated[str, typer.Option("--map", metavar="FILE.yaml|office:AREA|open:AREA")] = "office:300",
+    victims: Annotated[int, typer.Option(metavar="N", help="People to be found.")] = 4,
+    minutes: Annotated[float, typer.Option(metavar="M", help="Length of the mission.")] = 60.0,
+    seed: Annotated[int, typer.Option(metavar="S", help="The same seed gives the same building.")] = 7,
+    speed: Annotated[float, typer.Option(metavar="N", help="Times real time.")] = 1.0,
+    host: HostOption = None,
+    port: PortOption = None,
+    data: DataOption = None,
+    open_browser: Annotated[bool, typer.Option("--open", help="Open it in the browser.")] = False,
+) -> None:
+    """Open a mission of simulated robots that explore a generated building, until Ctrl-C.
+
+    Without --data, everything is forgotten at the end.
+    """
+    finite("--minutes", minutes, above=0.0)
+    finite("--speed", speed, above=0.0)
+    scenario = _checked_scenario(map_spec, robots, minutes, seed, victims)
+    with ExitStack() as stack:
+        folder = data or Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="waymark-demo-")))
+        settings = make_settings(host=host, port=port, data_dir=folder, database=str(folder / "waymark.db"))
+        from server.cli.team import SimulatedTeam
+
+        mission = "demo" if data is None else f"demo-{int(time.time())}"
+        arguments = ["--mission", mission, "--name", "Demonstration", "--speed", str(speed), *scenario]
+        stack.enter_context(SimulatedTeam(address(settings), arguments, open_browser))
+        run_server(settings)
+
+
+def _checked_scenario(map_spec: str, robots: int, minutes: float, seed: int, victims: int) -> list[str]:
+    """Return the scenario as arguments for the team's process, having made sure that it can be played."""
+    from robots.sim.scenario import ScenarioConfig, ScenarioError, build_world
+    from robots.sim.world import WorldError
+    from server.cli.console import CommandError
+
+    try:
+        config = ScenarioConfig(map=map_spec, robots=robots, minutes=minutes, seed=seed, victims=victims)
+        build_world(config)
+    except (ScenarioError, WorldError) as error:
+        raise CommandError(str(error)) from error
+    values = {"map": map_spec, "robots": robots, "minutes": minutes, "seed": seed, "victims": victims}
+    return [word for name, value in values.items() for word in (f"--{name}", str(value))]

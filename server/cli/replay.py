@@ -1,0 +1,136 @@
+"""`waymark replay`: a real robot's day through the same agent, here or on a server."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from time import perf_counter
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from server.cli.console import CommandError, print_json, print_table, progress
+from server.cli.options import JsonOption, OutOption, check_writable, finite
+
+if TYPE_CHECKING:
+    from robots.datasets.recording import Recording
+    from robots.datasets.replay import RobotReplay
+    from robots.trajectory import Trajectory
+
+
+def replay(
+    dataset: Annotated[str, typer.Argument(metavar="DATASET", help="Format of the recording: intel.")],
+    path: Annotated[Path, typer.Argument(metavar="FILE", help="The recording.")],
+    virtual_tags: Annotated[
+        float | None,
+        typer.Option(
+            metavar="D", help="Put a tag on the reference path wherever none is nearer than D metres."
+        ),
+    ] = None,
+    relations: Annotated[
+        Path | None, typer.Option(metavar="FILE.relations", help="Compare with checked relations as well.")
+    ] = None,
+    out: OutOption = None,
+    server: Annotated[
+        str | None, typer.Option(metavar="URL", help="Post to this mission control instead of running here.")
+    ] = None,
+    speed: Annotated[
+        float,
+        typer.Option(metavar="N", help="With --server: N times as fast as recorded; 0: as fast as it goes."),
+    ] = 1.0,
+    mission: Annotated[
+        str | None, typer.Option(metavar="ID", help="With --server: mission to post to, or to go on with.")
+    ] = None,
+    json: JsonOption = False,
+) -> None:
+    """Run the agent over a recording and say how well it did."""
+    from robots.datasets.recording import RecordingError
+    from robots.datasets.registry import load
+
+    if virtual_tags is not None:
+        finite("--virtual-tags", virtual_tags, above=0.0)
+    finite("--speed", speed, at_least=0.0)
+    if server is not None and (out is not None or relations is not None):
+        raise CommandError("--out and --relations belong to a replay without --server; leave them out")
+    check_writable(out)
+    try:
+        recording = load(dataset, path, virtual_tags)
+    except RecordingError as error:
+        raise CommandError(str(error)) from error
+    if server is None:
+        summary = _replay_here(recording, relations, out)
+    else:
+        from server.cli.posting import post_recording
+
+        summary = post_recording(recording, server, speed, mission)
+    if json:
+        print_json(summary)
+    else:
+        print_table(f"{dataset} {path.name}", summary)
+
+
+def _replay_here(recording: Recording, relations: Path | None, out: Path | None) -> dict[str, Any]:
+    import numpy as np
+
+    from robots.datasets.replay import replay as run
+    from robots.evaluation import EvaluationError, read_relations
+    from robots.outputs import write_team, write_trajectories
+
+    try:
+        pairs = read_relations(relations) if relations is not None else None
+    except EvaluationError as error:
+        raise CommandError(str(error)) from error
+    began = perf_counter()
+    with progress() as display:
+        total = sum(recording.length(robot_id) for robot_id in recording.robots)
+        task = display.add_task(f"replaying {recording.name}", total=total)
+        result = run(recording, on_step=lambda: display.advance(task))
+    wall_s = perf_counter() - began
+    if out is not None:
+        for robot in result.robots:
+            write_trajectories(out, robot.robot_id, robot.online, robot.final)
+        write_team(out, result.team)
+    step_ms = 1e3 * np.concatenate([robot.step_s for robot in result.robots])
+    summary: dict[str, Any] = {
+        "dataset": recording.name,
+        "robots": len(result.robots),
+        "observations": len(step_ms),
+        "distance_m": sum(robot.distance_m for robot in result.robots),
+        "tags": len(result.team.tags),
+        "sightings": sum(robot.sightings for robot in result.robots),
+        "explored_m2": result.team.explored_m2,
+        "ate_m": {robot.robot_id: _error_m(recording, robot, robot.final) for robot in result.robots},
+        "ate_online_m": {robot.robot_id: _error_m(recording, robot, robot.online) for robot in result.robots},
+        "step_hz": len(step_ms) / wall_s,
+        "wall_s": wall_s,
+        "step_ms_p50": float(np.percentile(step_ms, 50)),
+        "step_ms_p99": float(np.percentile(step_ms, 99)),
+        "out": str(out) if out is not None else None,
+    }
+    if pairs is not None:
+        summary["relations_m"] = {robot.robot_id: _relations_m(robot.final, pairs) for robot in result.robots}
+        summary["relations_online_m"] = {
+            robot.robot_id: _relations_m(robot.online, pairs) for robot in result.robots
+        }
+    return summary
+
+
+def _error_m(recording: Recording, robot: RobotReplay, estimate: Trajectory) -> float | None:
+    from robots.evaluation import EvaluationError, absolute_error
+
+    truth = recording.truth(robot.robot_id)
+    if truth is None:
+        return None
+    try:
+        # a reference has a pose for each observation, however far apart they are: nothing is interpolated
+        return absolute_error(estimate, truth, max_gap_s=float("inf")).rmse_m
+    except EvaluationError:
+        return None
+
+
+def _relations_m(estimate: Trajectory, pairs: Any) -> float:
+    from robots.evaluation import EvaluationError, relations_error
+
+    try:
+        return relations_error(estimate, pairs).mean_m
+    except EvaluationError as error:
+        raise CommandError(f"--relations: {error}") from error

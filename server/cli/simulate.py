@@ -1,0 +1,147 @@
+"""`waymark simulate`: a simulated mission in one process, as fast as the machine allows."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from math import radians
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from server.cli.console import CommandError, print_json, print_table, progress
+from server.cli.options import JsonOption, OutOption, check_writable, finite
+
+if TYPE_CHECKING:
+    from robots.sim.runner import SimulationResult
+    from robots.sim.scenario import ScenarioConfig
+
+
+class Poses(StrEnum):
+    """How the robots know where they are."""
+
+    SLAM = "slam"
+    TRUTH = "truth"
+
+
+class Start(StrEnum):
+    """Where the robots begin."""
+
+    SAME = "same"
+    SPREAD = "spread"
+
+
+def _count(help_text: str) -> Any:
+    return typer.Option(metavar="N", help=help_text, rich_help_panel="Hostile world")
+
+
+def _sensor(metavar: str, help_text: str) -> Any:
+    return typer.Option(metavar=metavar, help=help_text, rich_help_panel="Sensors")
+
+
+def simulate(
+    map_spec: Annotated[str, typer.Option("--map", metavar="FILE.yaml|office:AREA|open:AREA")] = "office:300",
+    robots: Annotated[int, typer.Option(metavar="N", help="Robots in the team.")] = 4,
+    minutes: Annotated[float, typer.Option(metavar="M", help="Length of the mission.")] = 20.0,
+    seed: Annotated[int, typer.Option(metavar="S", help="The same seed gives the same mission.")] = 0,
+    poses: Annotated[Poses, typer.Option(help="Estimated, or given exactly.")] = Poses.SLAM,
+    noise: Annotated[int, typer.Option(metavar="0-5", help="Noise level of the wheels.")] = 3,
+    slip: Annotated[bool, typer.Option("--slip", help="Slippery patches on the floor.")] = False,
+    victims: Annotated[int, typer.Option(metavar="N", help="People to be found.")] = 4,
+    start: Annotated[Start, typer.Option(help="All at one place, or spread over the building.")] = Start.SAME,
+    radio_cut: Annotated[
+        list[str] | None, typer.Option(metavar="ROBOT:FROM:TO", help="Silence in seconds; may be repeated.")
+    ] = None,
+    glass: Annotated[int, _count("Stretches of glass wall.")] = 0,
+    bricks: Annotated[int, _count("Bricks below the laser's plane.")] = 0,
+    smoke: Annotated[int, _count("Clouds of smoke.")] = 0,
+    ramps: Annotated[int, _count("Ramps.")] = 0,
+    laser_beams: Annotated[int, _sensor("N", "Beams of the laser.")] = 240,
+    laser_range: Annotated[float, _sensor("METRES", "Range of the laser.")] = 4.0,
+    laser_view: Annotated[float, _sensor("DEGREES", "Field of view of the laser.")] = 240.0,
+    laser_hz: Annotated[float, _sensor("HZ", "Scans a second.")] = 5.0,
+    no_imu: Annotated[
+        bool, typer.Option("--no-imu", help="No heading from an IMU.", rich_help_panel="Sensors")
+    ] = False,
+    out: OutOption = None,
+    json: JsonOption = False,
+) -> None:
+    """Let a team of simulated robots explore a building, and say how it went.
+
+    Step times are those of steps with a laser scan; step_hz counts all steps over the whole run.
+    """
+    from robots.sim.arguments import parse_radio_cut
+    from robots.sim.hostile import HostileConfig
+    from robots.sim.scenario import ScenarioConfig, ScenarioError
+    from robots.sim.sensors import LaserConfig
+    from robots.sim.world import WorldError
+
+    finite("--minutes", minutes, above=0.0)
+    check_writable(out)
+    try:
+        config = ScenarioConfig(
+            map=map_spec,
+            robots=robots,
+            minutes=minutes,
+            seed=seed,
+            poses=poses.value,
+            slip=slip,
+            noise_level=noise,
+            victims=victims,
+            start=start.value,
+            radio_cuts=tuple(parse_radio_cut(text) for text in radio_cut or ()),
+            hostile=HostileConfig(glass=glass, bricks=bricks, smoke=smoke, ramps=ramps),
+            laser=LaserConfig(radians(laser_view), laser_beams, laser_range),
+            laser_hz=laser_hz,
+            imu=not no_imu,
+        )
+        outcome = play(config)
+    except (ScenarioError, WorldError) as error:
+        raise CommandError(str(error)) from error
+    summary = report(outcome, out)
+    if json:
+        print_json(summary)
+    else:
+        print_table(f"{robots} robots, {minutes:g} minutes in {map_spec}", summary)
+
+
+def play(config: ScenarioConfig) -> SimulationResult:
+    """Play the scenario behind a progress bar."""
+    from robots.sim.runner import run
+
+    with progress() as display:
+        task = display.add_task("simulating", total=config.periods)
+        return run(config, progress=lambda _: display.advance(task))
+
+
+def report(outcome: SimulationResult, out: Path | None) -> dict[str, Any]:
+    """Return the summary of a mission, and write its files where a folder is given."""
+    import numpy as np
+
+    from robots.sim.solution import solve
+
+    solution = solve(outcome)
+    if out is not None:
+        solution.write(out)
+    score = outcome.score
+    scan_ms = 1e3 * np.concatenate([robot.steps_s[robot.with_scan] for robot in outcome.robots])
+    steps = sum(len(robot.steps_s) for robot in outcome.robots)
+    return {
+        "explored_m2": score.explored_m2,
+        "observable_m2": score.observable_m2,
+        "coverage": score.coverage,
+        "distance_m": score.distance_m,
+        "score": score.score_m,
+        "victims_found": score.victims_found,
+        "victims_total": score.victims_total,
+        "tags_dropped": outcome.tags_dropped,
+        "ate_m": solution.ate_m(),
+        "step_hz": steps / outcome.wall_s,
+        "wall_s": outcome.wall_s,
+        "step_ms_p50": float(np.percentile(scan_ms, 50)) if len(scan_ms) else None,
+        "step_ms_p99": float(np.percentile(scan_ms, 99)) if len(scan_ms) else None,
+        "steps": steps,
+        "simulated_s": outcome.clock_s,
+        "times_real_time": outcome.clock_s / outcome.wall_s,
+        "out": str(out) if out is not None else None,
+    }
