@@ -1,9 +1,8 @@
 """The agent: the algorithm of Kleiner 2006, one observation at a time.
 
 ``RobotAgent.step`` reads like the paper: predict from wheels and inertial unit, match the scan, fuse, map,
-handle tags, look for victims,
-decide where to go, drop tags, answer with a command. It is a function of the configuration and the log,
-nothing else.
+handle tags, look for victims, decide where to go, drop tags, answer with a command. It is a function of the
+configuration and the log, nothing else.
 """
 
 from __future__ import annotations
@@ -61,16 +60,14 @@ class RobotAgent:
 
         Raises:
             ObservationError: sequence number or stamp out of order, or a value that is not finite; nothing
-            has changed then.
+                has changed then.
         """
         self._check(observation)
-        odometry = (
-            observation.odometry if self._last is not None else None
-        )  # what came before is not part of the map
+        # what was driven before the first observation is not part of the map
+        odometry = observation.odometry if self._last is not None else None
         tracker, graph = self._start(observation)
-        slipping = (
-            observation.bumper and self.config.poses == "slam"
-        )  # pressed against something, the wheels turn on the spot
+        # pressed against something, the wheels turn on the spot
+        slipping = observation.bumper and self.config.poses == "slam"
         tracker.predict(observation.stamp_s, odometry, observation.imu, slipping)  # (1), (2)
         if observation.scan is not None:
             tracker.match(observation.scan)  # (3), (4)
@@ -159,8 +156,9 @@ class RobotAgent:
     def _pass_tags(
         self, observation: Observation, tracker: PoseTracker, graph: TagGraph
     ) -> tuple[TagSighting, ...]:
-        """Restart the filter at a tag, keep the displacement as an edge, and solve the graph when the tag
-        was known.
+        """Restart the filter at a tag and keep the displacement as an edge.
+
+        The graph is solved when the tag was known.
         """
         fresh = tuple(s for s in observation.tag_sightings if self._is_new_pass(s.tag_id, tracker.distance_m))
         overdue = tracker.distance_m - self._anchor_driven_m > self.config.mapping.submap_travel_m
@@ -209,8 +207,9 @@ class RobotAgent:
         return self._dropper.should_drop(self._tracker.distance_m, pose, self._maps.fused, places)
 
     def _writes(self, sighting: TagSighting, pose: Pose2, graph: TagGraph) -> TagWrite | None:
-        """Leave in the tag what is known round it, merged with what it said; needs a compass for its
-        frame.
+        """Leave in the tag what is known round it, merged with what it said.
+
+        Needs a compass for its frame.
         """
         if self._last is None or self._last.imu is None:
             return None
@@ -262,9 +261,11 @@ class RobotAgent:
 
 
 def merge_commands(updates: Sequence[AgentUpdate]) -> Command:
-    """Return one command for a batch: the last velocities, every write, and a tag to drop if any asked for
-    one.
-    """
-    last = updates[-1].command
-    writes = tuple(write for update in updates for write in update.command.writes)
-    return replace(last, drop_tag=any(update.command.drop_tag for update in updates), writes=writes)
+    """Return one command for the updates of a batch; see ``merged_command``."""
+    return merged_command([update.command for update in updates])
+
+
+def merged_command(commands: Sequence[Command]) -> Command:
+    """Return the last velocities, every write, and a tag to drop if any command asked for one."""
+    writes = tuple(write for command in commands for write in command.writes)
+    return replace(commands[-1], drop_tag=any(command.drop_tag for command in commands), writes=writes)

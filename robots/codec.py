@@ -1,9 +1,8 @@
-"""Values of ``robots.types`` to bytes and back, exactly: for the observation log, agent processes and
-snapshots.
+"""Values of ``robots.types`` to bytes and back, exactly.
 
-JSON with a class name beside each dataclass and arrays as base64 of their little-endian bytes, so floats
-survive bit
-for bit. Only the classes listed here are ever built, whatever the bytes say.
+For the observation log, agent processes and snapshots. JSON with a class name beside each dataclass and
+arrays as base64 of their little-endian bytes, so floats survive bit for bit. Only the classes listed here are
+ever built, whatever the bytes say.
 """
 
 from __future__ import annotations
@@ -34,7 +33,11 @@ class CodecError(ValueError):
 
 
 def encode(value: object) -> bytes:
-    """Return the bytes of a dataclass of ``robots.types``, ``robots.se2`` or ``robots.config``."""
+    """Return the bytes of a dataclass of ``robots.types``, ``robots.se2``, ``robots.config`` or the team's.
+
+    Raises:
+        TypeError: it holds something that cannot be stored exactly.
+    """
     return json.dumps(_plain(value), separators=(",", ":")).encode()
 
 
@@ -46,7 +49,7 @@ def decode(data: bytes, expected: type[T]) -> T:
     """
     try:
         value = _rich(json.loads(data))
-    except (ValueError, KeyError, TypeError) as error:
+    except (ValueError, KeyError, TypeError, RecursionError) as error:
         raise CodecError(f"not a stored {expected.__name__}: {error}") from error
     if not isinstance(value, expected):
         raise CodecError(f"expected a stored {expected.__name__}, found a {type(value).__name__}")
@@ -60,6 +63,8 @@ def _plain(value: object) -> Any:
         return {"b": base64.b64encode(value).decode()}
     if isinstance(value, np.ndarray):
         kind = value.dtype.kind + str(value.dtype.itemsize)
+        if kind not in _DTYPES:
+            raise TypeError(f"cannot store an array of {value.dtype}")
         data = np.ascontiguousarray(value).astype(_DTYPES[kind], copy=False).tobytes()
         return {"a": kind, "s": list(value.shape), "b": base64.b64encode(data).decode()}
     if isinstance(value, tuple | list):

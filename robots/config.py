@@ -1,14 +1,37 @@
-"""Settings of an agent: nested, SI units, defaults that work; derived values are properties beside what
-they derive from.
+"""Settings of an agent: nested, SI units, defaults that work.
+
+Derived values are properties beside what they derive from.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field, fields, is_dataclass, replace
 from math import isfinite, radians
-from typing import Any, Literal, TypeVar
+from typing import Any, Literal, TypeVar, get_args, get_origin, get_type_hints
 
 C = TypeVar("C")
+
+_SIGNED = frozenset({"ahead_m"})  # all other numbers are 0 or more
+_POSITIVE = frozenset(
+    {
+        "along_m",
+        "across_m",
+        "bearing_sd_rad",
+        "cell_m",
+        "local_scans",
+        "max_range_m",
+        "max_speed_mps",
+        "max_turn_radps",
+        "point_sd_m",
+        "radius_m",
+        "range_sd_m",
+        "resolution_m",
+        "spacing_m",
+        "tag_kernel_sd",
+        "track_width_m",
+    }
+)
+_INT8 = frozenset({"hit_logodds", "miss_logodds", "limit_logodds"})  # as they leave the process
 
 
 class ConfigError(ValueError):
@@ -27,8 +50,9 @@ class BodyConfig:
 
 @dataclass(frozen=True, slots=True)
 class AntennaConfig:
-    """The tag reader under the robot: a plate along and across the heading, or a disc where ``radius_m`` is
-    given.
+    """The tag reader under the robot.
+
+    A plate along and across the heading, or a disc where ``radius_m`` is given.
     """
 
     ahead_m: float = 0.0  # centre of the antenna, ahead of the base
@@ -38,8 +62,9 @@ class AntennaConfig:
 
     @property
     def variances(self) -> tuple[float, float]:
-        """Variance along and across the heading of a tag somewhere under the antenna, uniformly (DESIGN:
-        footprint).
+        """Variance (m2) along and across the heading of a tag that lies anywhere under the antenna.
+
+        Uniformly so (DESIGN: footprint).
         """
         if self.radius_m is not None:
             return self.radius_m**2 / 4.0, self.radius_m**2 / 4.0
@@ -48,8 +73,9 @@ class AntennaConfig:
 
 @dataclass(frozen=True, slots=True)
 class OdometryConfig:
-    """Noise of the wheels (Kleiner 2006 Sigma_u): standard deviations that grow with the square root of the
-    motion.
+    """Noise of the wheels (Kleiner 2006 Sigma_u).
+
+    Standard deviations that grow with the square root of the motion.
     """
 
     distance_sd_per_sqrt_m: float = 0.10
@@ -147,8 +173,9 @@ class PlanningConfig:
 
 @dataclass(frozen=True, slots=True)
 class AgentConfig:
-    """Everything an agent is told before its first observation. The same config, seed and log give the same
-    updates.
+    """Everything an agent is told before its first observation.
+
+    The same config, seed and log give the same updates.
     """
 
     body: BodyConfig = field(default_factory=BodyConfig)
@@ -169,18 +196,19 @@ def override(config: C, changes: dict[str, Any], where: str = "config") -> C:
     """Return the config with nested changes applied, as in ``{"body": {"radius_m": 0.3}}``.
 
     Raises:
-        ConfigError: a name is unknown or a value has the wrong type; the message names it.
+        ConfigError: a name is unknown, or a value is of the wrong type or out of range; the message names it.
     """
+    hints = get_type_hints(type(config))
     known = {item.name: getattr(config, item.name) for item in fields(config)}  # type: ignore[arg-type]
     new: dict[str, Any] = {}
     for name, value in changes.items():
         if name not in known:
             raise ConfigError(f"{where}.{name} is no setting; known are {', '.join(known)}")
-        new[name] = _checked(known[name], value, f"{where}.{name}")
+        new[name] = _checked(known[name], hints[name], value, f"{where}.{name}")
     return replace(config, **new)  # type: ignore[type-var]
 
 
-def _checked(old: Any, value: Any, where: str) -> Any:
+def _checked(old: Any, hint: Any, value: Any, where: str) -> Any:
     if is_dataclass(old) and not isinstance(old, type):
         if not isinstance(value, dict):
             raise ConfigError(f"{where} has to be an object")
@@ -188,13 +216,33 @@ def _checked(old: Any, value: Any, where: str) -> Any:
     if isinstance(old, str):
         if not isinstance(value, str):
             raise ConfigError(f"{where} has to be text")
+        if get_origin(hint) is Literal and value not in get_args(hint):
+            raise ConfigError(f"{where} has to be one of {', '.join(get_args(hint))}")
         return value
-    if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(value):
-        if value is None and old is None:
-            return value
+    if value is None and type(None) in get_args(hint):
+        return value
+    if isinstance(value, bool) or not isinstance(value, int | float) or not _is_finite(value):
         raise ConfigError(f"{where} has to be a finite number")
+    _check_range(value, where)
     if isinstance(old, int):
         if value != int(value):
             raise ConfigError(f"{where} has to be a whole number")
         return int(value)
     return float(value)
+
+
+def _is_finite(value: float) -> bool:
+    try:
+        return isfinite(value)
+    except OverflowError:  # a whole number beyond all floats
+        return False
+
+
+def _check_range(value: float, where: str) -> None:
+    name = where.rpartition(".")[2]
+    if name in _POSITIVE and value <= 0:
+        raise ConfigError(f"{where} has to be more than 0")
+    if name not in _SIGNED and value < 0:
+        raise ConfigError(f"{where} has to be 0 or more")
+    if name in _INT8 and value > 127:
+        raise ConfigError(f"{where} has to be 127 or less")

@@ -2,8 +2,7 @@
 
 Frames stand in names: ``world_from_base @ base_from_laser = world_from_laser``, adjacent frames cancel.
 Angles are counter-clockwise radians in (-pi, pi]. Covariances are (3, 3) in the order x, y, theta, additive
-on the
-components of the pose in its parent frame, as in Kleiner 2006 eq. (2).
+on the components of the pose in its parent frame, as in Kleiner 2006 eq. (2).
 """
 
 from __future__ import annotations
@@ -64,7 +63,8 @@ class Pose2:
         """Map points, shape (n, 2) in metres, from this pose's frame to its parent frame."""
         c, s = cos(self.theta), sin(self.theta)
         rotation = np.array([[c, s], [-s, c]])
-        return np.asarray(points, dtype=np.float64) @ rotation + (self.x, self.y)
+        moved: Array = np.asarray(points, dtype=np.float64) @ rotation + (self.x, self.y)
+        return moved
 
     def transform_point(self, x: float, y: float) -> tuple[float, float]:
         """Map one point in metres from this pose's frame to its parent frame."""
@@ -117,8 +117,9 @@ def compose_jacobians(a_from_b: Pose2, b_from_c: Pose2) -> tuple[Array, Array]:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class GaussianPose:
-    """A pose with its uncertainty: mean and covariance, (3, 3), order x, y, theta, both in the parent
-    frame.
+    """A pose with its uncertainty, both in the parent frame.
+
+    ``mean``, and ``covariance`` (3, 3) in the order x, y, theta.
     """
 
     mean: Pose2

@@ -1,8 +1,7 @@
 """An agent's state as bytes and back: the crash recovery beside the log.
 
 A snapshot is a pickle that may name nothing but this package's classes, numpy's arrays and generators, and
-plain containers, so a damaged or
-foreign file can fail but not run code.
+plain containers, so a damaged or foreign file can fail but not run code.
 """
 
 from __future__ import annotations
@@ -15,21 +14,8 @@ from typing import Any, TypeVar
 T = TypeVar("T")
 
 _HEADER = b"waymark-1"
-_PLAIN = {
-    ("builtins", name)
-    for name in (
-        "set",
-        "frozenset",
-        "list",
-        "dict",
-        "tuple",
-        "bytearray",
-        "complex",
-        "slice",
-        "range",
-        "object",
-    )
-} | {
+_BUILTINS = ("set", "frozenset", "list", "dict", "tuple", "bytearray", "complex", "slice", "range", "object")
+_PLAIN = {("builtins", name) for name in _BUILTINS} | {
     ("collections", "deque"),
     ("collections", "OrderedDict"),
     ("copyreg", "_reconstructor"),
@@ -56,7 +42,8 @@ class _Unpickler(pickle.Unpickler):
         if not known and (module, name) not in _PLAIN:
             raise SnapshotError(f"a snapshot may not hold {module}.{name}")
         found = super().find_class(module, name)
-        if known and not isinstance(found, type):
+        # a class that a module merely imported is not one of ours
+        if known and not (isinstance(found, type) and found.__module__ == module):
             raise SnapshotError(f"a snapshot may not call {module}.{name}")
         return found
 

@@ -1,10 +1,8 @@
-"""What crosses borders: observations into an agent, updates out of it. Frozen, SI units, frames in the
-docstrings.
+"""What crosses borders: observations into an agent, updates out of it.
 
-Odometry and ranges are relative to the robot's base frame (x ahead, y left). ``map`` is a robot's own map
-frame, whose
-origin is where it started; with an IMU its x axis points north. ``world`` is the mission's frame, known to
-the team only.
+Frozen, SI units, frames in the docstrings. Odometry and ranges are relative to the robot's base frame (x
+ahead, y left). ``map`` is a robot's own map frame, whose origin is where it started; with an IMU its x axis
+points north. ``world`` is the mission's frame, known to the team only.
 """
 
 from __future__ import annotations
@@ -33,8 +31,9 @@ class WheelEncoders:
 
 @dataclass(frozen=True, slots=True)
 class DistanceTurn:
-    """Odometry as (d, alpha) of Kleiner 2006 eq. (1): distance driven and angle turned since the previous
-    observation.
+    """Odometry as (d, alpha) of Kleiner 2006 eq. (1).
+
+    Distance driven and angle turned since the previous observation.
     """
 
     distance_m: float
@@ -67,8 +66,7 @@ class LaserScan:
     """One sweep of a laser range finder in the base frame.
 
     ``ranges_m``: float32, shape (n,), beam i at ``angle_min_rad + i * angle_increment_rad``. A beam at or
-    beyond
-    ``range_max_m``, or not finite, is a far reading: free space at least that far, or glass.
+    beyond ``range_max_m``, or not finite, is a far reading: free space at least that far, or glass.
     """
 
     ranges_m: FloatArray32
@@ -107,8 +105,9 @@ class HeatReading:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Observation:
-    """Everything a robot perceived since its previous observation. ``seq`` rises by one each time; stamps
-    in seconds.
+    """Everything a robot perceived since its previous observation.
+
+    ``seq`` rises by one each time; stamps in seconds.
     """
 
     seq: int
@@ -145,16 +144,17 @@ class Command:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class GraphReport:
-    """A robot's tag graph, whole: the latest replaces all earlier ones. Poses and tags in the robot's map
-    frame.
+    """A robot's tag graph, whole: the latest replaces all earlier ones.
 
-    ``poses`` (n, 3) pose vertices (sighting poses, the first is the start), ``stamps_s`` (n,),
-    ``yaws_rad`` (n,) IMU heading at each pose, NaN without IMU; ``tag_ids`` m names, ``tags`` (m, 2) tag
-    points;
+    Poses and tags in the robot's map frame: ``poses`` (n, 3) pose vertices (sighting poses, the first is the
+    start), ``stamps_s`` (n,), ``yaws_rad`` (n,) IMU heading at each pose, NaN without IMU; ``tag_ids`` m
+    names, ``tags`` (m, 2) tag points.
+
     ``edge_pairs`` (k, 2) pose indices i, j, ``edge_poses`` (k, 3) measured pose of j in i,
-    ``edge_covariances`` (k, 3, 3); ``sighting_pairs`` (s, 2) pose index, tag index, ``sighting_offsets``
-    (s, 2) tag in
-    the base frame, ``sighting_covariances`` (s, 2, 2) antenna footprint in the base frame.
+    ``edge_covariances`` (k, 3, 3).
+
+    ``sighting_pairs`` (s, 2) pose index, tag index, ``sighting_offsets`` (s, 2) tag in the base frame,
+    ``sighting_covariances`` (s, 2, 2) antenna footprint in the base frame.
     """
 
     poses: Array
@@ -174,9 +174,8 @@ class GraphReport:
 class SubmapReport:
     """An occupancy grid anchored to a pose vertex: the latest version replaces earlier ones.
 
-    ``cells``: zlib-compressed int8 log-odds (tenths, 0 unknown, positive occupied), row-major, row = y,
-    cell (0, 0)
-    at the grid frame's origin; ``anchor_from_grid`` places that frame in the anchor's frame.
+    ``cells``: zlib-compressed int8 log-odds (tenths, 0 unknown, positive occupied), row-major, row = y, cell
+    (0, 0) at the grid frame's origin; ``anchor_from_grid`` places that frame in the anchor's frame.
     """
 
     anchor: int
@@ -190,8 +189,9 @@ class SubmapReport:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class VictimEstimate:
-    """A victim as one robot knows it: position (2,) and covariance (2, 2) in the frame of its anchor pose
-    vertex.
+    """A victim as one robot knows it.
+
+    ``position_m`` (2,) and ``covariance`` (2, 2) in the frame of its anchor pose vertex.
     """
 
     victim_id: str
@@ -212,9 +212,8 @@ class AgentUpdate:
     """What an agent makes of one observation.
 
     ``pose`` and ``covariance`` (3, 3) in the map frame; ``anchor_from_base`` in the frame of pose vertex
-    ``anchor``;
-    ``goal_m`` and ``path_m`` (n, 2) in the map frame. ``graph``, ``submaps`` and ``victims`` are given when
-    they changed.
+    ``anchor``; ``goal_m`` and ``path_m`` (n, 2) in the map frame. ``graph``, ``submaps`` and ``victims`` are
+    given when they changed.
     """
 
     seq: int

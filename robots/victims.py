@@ -1,5 +1,6 @@
-"""From heat readings to victims: readings of one place are one victim, a lone reading is a false alarm
-until confirmed.
+"""From heat readings to victims.
+
+Readings of one place are one victim; a lone reading is a false alarm until confirmed.
 """
 
 from __future__ import annotations
@@ -75,8 +76,14 @@ class VictimTracker:
         )
 
     def _updated(
-        self, old: VictimEstimate, place: Array, covariance: Array, reading: HeatReading, stamp_s: float, anchors: list[Pose2]
-    ) -> VictimEstimate:  # fmt: skip
+        self,
+        old: VictimEstimate,
+        place: Array,
+        covariance: Array,
+        reading: HeatReading,
+        stamp_s: float,
+        anchors: list[Pose2],
+    ) -> VictimEstimate:
         anchor_from_map = anchors[old.anchor].inverse()
         seen = anchor_from_map.transform(place[None])[0]
         noise = _rotated(covariance, anchor_from_map.theta)

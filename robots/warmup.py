@@ -1,5 +1,6 @@
-"""Compiling the numerical kernels ahead of time: seconds at the first start of a machine, nothing
-afterwards.
+"""Compiling the numerical kernels ahead of time.
+
+It takes seconds at the first start of a machine, nothing afterwards.
 """
 
 from __future__ import annotations

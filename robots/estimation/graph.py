@@ -1,10 +1,8 @@
-"""The tag graph: globally consistent poses and tags from relative measurements (Lu and Milios 1997; Kleiner
-2006 eq. 5).
+"""The tag graph: globally consistent poses and tags from relative measurements.
 
-Vertices are sighting poses (SE(2)) and tag points (2D). Factors: *edges*, the measured pose of vertex j in
-the frame of i; *sightings*, a tag
-under the antenna of pose i; *headings* from the inertial unit; *priors* that hold a vertex in place.
-``solve`` minimises
+Lu and Milios 1997; Kleiner 2006 eq. (5). Vertices are sighting poses (SE(2)) and tag points (2D). Factors:
+*edges*, the measured pose of vertex j in the frame of i; *sightings*, a tag under the antenna of pose i;
+*headings* from the inertial unit; *priors* that hold a vertex in place. ``solve`` minimises
 
     W = sum e' Sigma^-1 e                                                                            (eq. 5)
 
@@ -21,6 +19,7 @@ import numpy as np
 import qdldl
 import scipy.sparse as sp
 from numpy.typing import NDArray
+from scipy.sparse.csgraph import connected_components
 
 from robots.estimation.graph_factors import (
     edge_blocks,
@@ -36,6 +35,11 @@ from robots.types import IntArray
 
 _CONVERGED = 1e-6  # metres and radians
 _MAX_HALVINGS = 8
+_LOOSE = "the graph has a part that no measurement or prior holds in place"
+_FINITE = (
+    "poses", "tags", "edge_poses", "edge_covariances", "sighting_offsets", "sighting_covariances",
+    "prior_poses", "prior_sds", "heading_rad", "heading_sd_rad",
+)  # fmt: skip
 
 
 class GraphError(ValueError):
@@ -51,12 +55,9 @@ class GraphProblem:
     """Arrays of a tag graph in one frame; information matrices are inverse covariances.
 
     ``poses`` (n, 3), ``tags`` (m, 2) initial values; ``edge_pairs`` (k, 2), ``edge_poses`` (k, 3),
-    ``edge_covariances`` (k, 3, 3);
-    ``sighting_pairs`` (s, 2) pose and tag, ``sighting_offsets`` (s, 2), ``sighting_covariances`` (s, 2, 2)
-    in the base frame;
-    ``heading_index`` (h,), ``heading_rad`` (h,), ``heading_sd_rad`` (h,); ``prior_index`` (p,),
-    ``prior_poses`` (p, 3),
-    ``prior_sds`` (p, 3).
+    ``edge_covariances`` (k, 3, 3); ``sighting_pairs`` (s, 2) pose and tag, ``sighting_offsets`` (s, 2),
+    ``sighting_covariances`` (s, 2, 2) in the base frame; ``heading_index`` (h,), ``heading_rad`` (h,),
+    ``heading_sd_rad`` (h,); ``prior_index`` (p,), ``prior_poses`` (p, 3), ``prior_sds`` (p, 3).
     """
 
     poses: Array
@@ -96,10 +97,10 @@ class GraphSolution:
 
 
 class NormalEquations:
-    """The sparse normal matrix of a graph. Its pattern is made once and kept, explicit zeros included.
+    """The sparse normal matrix of a graph.
 
-    (qdldl's ``update`` must see the same pattern each time, or it converges to a wrong solution without a
-    word.)
+    Its pattern is made once and kept, explicit zeros included: qdldl's ``update`` must see the same pattern
+    each time, or it converges to a wrong solution without a word.
     """
 
     def __init__(self, problem: GraphProblem) -> None:
@@ -114,15 +115,11 @@ class NormalEquations:
         )  # (s, 5)
         self.edge_variables, self.seen_variables = edge_variables, seen_variables
         diagonal = np.arange(self.size)
-        rows = [np.repeat(v, v.shape[1], axis=1).ravel() for v in (edge_variables, seen_variables)] + [
-            diagonal
-        ]
-        columns = [np.tile(v, (1, v.shape[1])).ravel() for v in (edge_variables, seen_variables)] + [diagonal]
-        row, column = np.concatenate(rows), np.concatenate(columns)
+        blocks = (edge_variables, seen_variables)
+        row = np.concatenate([*(np.repeat(v, v.shape[1], axis=1).ravel() for v in blocks), diagonal])
+        column = np.concatenate([*(np.tile(v, (1, v.shape[1])).ravel() for v in blocks), diagonal])
         self._upper = row <= column
-        flat = (
-            column[self._upper] * np.int64(self.size) + row[self._upper]
-        )  # column-major order: as CSC stores
+        flat = column[self._upper] * np.int64(self.size) + row[self._upper]  # column-major, as CSC stores
         unique, self._place = np.unique(flat, return_inverse=True)
         self._indices = (unique % self.size).astype(np.int32)
         counts = np.bincount(unique // self.size, minlength=self.size)
@@ -134,10 +131,13 @@ class NormalEquations:
         values = np.concatenate([edge_hessians.ravel(), seen_hessians.ravel(), diagonal])[self._upper]
         data = np.bincount(self._place, weights=values, minlength=len(self._indices))
         matrix = sp.csc_matrix((data, self._indices, self._pointers), shape=(self.size, self.size))
-        if self._factor is None:
-            self._factor = qdldl.Solver(matrix, upper=True)
-        else:
-            self._factor.update(matrix, upper=True)
+        try:
+            if self._factor is None:
+                self._factor = qdldl.Solver(matrix, upper=True)
+            else:
+                self._factor.update(matrix, upper=True)
+        except RuntimeError as error:  # a pivot of zero
+            raise GraphError(_LOOSE) from error
 
     def solve(self, right: Array) -> Array:
         """Solve for a right-hand side (size,)."""
@@ -163,17 +163,16 @@ def solve(
     """Return the poses and tags that minimise eq. (5).
 
     Sightings beyond ``kernel_sd`` deviations lose weight (Huber). The linear form keeps every heading as
-    given and weighs
-    displacements with the 2 x 2 covariance of the positions.
+    given and weighs displacements with the 2 x 2 covariance of the positions.
 
     Raises:
-        GraphError: a value is not finite, a covariance is not positive definite, an index does not exist,
-        or nothing holds the graph.
+        GraphError: a value is not finite, a covariance is not positive definite, an index does not exist, or
+            nothing holds the graph.
     """
     _check(problem)
     linear = method == "linear"
     edge_information = _edge_information(problem, linear)
-    sighting_information = np.linalg.inv(problem.sighting_covariances)
+    sighting_information = np.asarray(np.linalg.inv(problem.sighting_covariances), np.float64)
     equations = NormalEquations(problem)
     poses, tags = problem.poses.copy(), problem.tags.copy()
     chi2 = chi2_initial = _chi2(problem, poses, tags, edge_information, sighting_information, kernel_sd)
@@ -197,9 +196,15 @@ def solve(
 
 
 def _step(
-    problem: GraphProblem, poses: Array, tags: Array, edge_information: Array, sighting_information: Array,
-    kernel_sd: float, linear: bool, equations: NormalEquations,
-) -> Array:  # fmt: skip
+    problem: GraphProblem,
+    poses: Array,
+    tags: Array,
+    edge_information: Array,
+    sighting_information: Array,
+    kernel_sd: float,
+    linear: bool,
+    equations: NormalEquations,
+) -> Array:
     edge_h, edge_g = edge_blocks(poses, problem.edge_pairs, problem.edge_poses, edge_information, linear)
     seen_h, seen_g = sighting_blocks(
         poses, tags, problem.sighting_pairs, problem.sighting_offsets, sighting_information, kernel_sd, linear
@@ -226,7 +231,7 @@ def _step(
     equations.factorise(edge_h, seen_h, diagonal)
     step = equations.solve(-gradient)
     if not np.isfinite(step).all():
-        raise GraphError("the graph has a part that no measurement or prior holds in place")
+        raise GraphError(_LOOSE)
     return step
 
 
@@ -238,7 +243,7 @@ def _apply(poses: Array, tags: Array, step: Array) -> tuple[Array, Array]:
 
 def _edge_information(problem: GraphProblem, linear: bool) -> Array:
     if not linear:
-        return np.linalg.inv(problem.edge_covariances)
+        return np.asarray(np.linalg.inv(problem.edge_covariances), np.float64)
     information = np.zeros_like(problem.edge_covariances)
     information[:, :2, :2] = np.linalg.inv(problem.edge_covariances[:, :2, :2])
     return information
@@ -264,14 +269,7 @@ def _chi2(
 
 def _check(problem: GraphProblem) -> None:
     n, m = len(problem.poses), len(problem.tags)
-    for name in (
-        "poses",
-        "tags",
-        "edge_poses",
-        "edge_covariances",
-        "sighting_offsets",
-        "sighting_covariances",
-    ):
+    for name in _FINITE:
         if not np.isfinite(getattr(problem, name)).all():
             raise GraphError(f"{name} holds a value that is not finite")
     pairs: list[tuple[str, NDArray[np.int64], int]] = [
@@ -291,3 +289,17 @@ def _check(problem: GraphProblem) -> None:
             raise GraphError(f"{name}[{worst}] is not positive definite")
     if not len(problem.prior_index):
         raise GraphError("a graph needs at least one prior to hold it in place")
+    for name in ("prior_sds", "heading_sd_rad"):
+        if (getattr(problem, name) <= 0.0).any():
+            raise GraphError(f"{name} has to be greater than 0")
+    _check_held(problem)
+
+
+def _check_held(problem: GraphProblem) -> None:
+    """Refuse a graph in pieces of which not each has a prior: rounding hides that from the factorisation."""
+    n, count = len(problem.poses), len(problem.poses) + len(problem.tags)
+    pairs = np.concatenate([problem.edge_pairs, problem.sighting_pairs + np.array([0, n])])
+    joined = sp.coo_matrix((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
+    pieces, piece_of = connected_components(joined, directed=False)
+    if len(np.unique(piece_of[problem.prior_index])) < pieces:
+        raise GraphError(_LOOSE)

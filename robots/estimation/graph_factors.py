@@ -1,5 +1,6 @@
-"""Errors and normal-equation blocks of the tag graph's factors, each written once. Poses (n, 3), tags (m,
-2).
+"""Errors and normal-equation blocks of the tag graph's factors, each written once.
+
+Poses are (n, 3), tags (m, 2).
 """
 
 from __future__ import annotations
@@ -35,8 +36,9 @@ def edge_chi2(errors: Array, information: Array) -> float:
 
 @njit(cache=True)
 def edge_jacobian(pose_i: Array, pose_j: Array, linear: bool) -> Array:
-    """Return the Jacobian (3, 6) of an edge's error by pose i and pose j; headings held fixed where
-    ``linear``.
+    """Return the Jacobian (3, 6) of an edge's error by pose i and pose j.
+
+    Headings are held fixed where ``linear``.
     """
     c, s = cos(pose_i[2]), sin(pose_i[2])
     dx, dy = pose_j[0] - pose_i[0], pose_j[1] - pose_i[1]
@@ -101,8 +103,9 @@ def sighting_blocks(
     kernel_sd: float,
     linear: bool,
 ) -> tuple[Array, Array]:
-    """Return w J' Omega J (s, 5, 5) and w J' Omega e (s, 5); w = kernel / |e| beyond the Huber kernel, else
-    1.
+    """Return w J' Omega J (s, 5, 5) and w J' Omega e (s, 5).
+
+    w = kernel / |e| beyond the Huber kernel, else 1.
     """
     errors = sighting_errors(poses, tags, pairs, offsets)
     hessians = np.empty((pairs.shape[0], 5, 5))

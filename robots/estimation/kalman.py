@@ -10,9 +10,8 @@ from robots.se2 import GaussianPose, Pose2, wrap
 def fuse(predicted: GaussianPose, matched: GaussianPose) -> GaussianPose:
     """Return the information-weighted mean of the odometry's pose l and the scan matcher's pose k.
 
-    Both in one frame and independent. The angle is averaged on the circle: k's heading is first brought
-    next to l's.
-    Eq. (4) is used with its outer inverse, which the scanned text lacks.
+    Both in one frame and independent. The angle is averaged on the circle: k's heading is first brought next
+    to l's. Eq. (4) is used with its outer inverse, which the scanned text lacks.
 
     Raises:
         numpy.linalg.LinAlgError: a covariance is singular.

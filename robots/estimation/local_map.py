@@ -1,9 +1,8 @@
-"""The local map a scan is matched against: surface points of the most recent scans, found by a
-nearest-point index.
+"""The local map a scan is matched against.
 
-Kleiner 2006 section IV (after Hähnel 2004) keeps a local grid of the most recent scans. Here each cell of
-that grid knows the nearest
-surface point with its normal, so the alignment is continuous and not bound to the cell size.
+Surface points of the most recent scans, found by a nearest-point index. Kleiner 2006 section IV (after Hähnel
+2004) keeps a local grid of the most recent scans. Here each cell of that grid knows the nearest surface point
+with its normal, so the alignment is continuous and not bound to the cell size.
 """
 
 from __future__ import annotations
@@ -37,8 +36,9 @@ class LocalMap:
         return len(self._scans)
 
     def insert(self, local_from_base: Pose2, points: Array, normals: Array) -> None:
-        """Add a scan, points and normals (n, 2) in the base frame; the oldest scan leaves when the map is
-        full.
+        """Add a scan, points and normals (n, 2) in the base frame.
+
+        The oldest scan leaves when the map is full.
         """
         rotation = Pose2(0.0, 0.0, local_from_base.theta)
         self._scans.append((local_from_base.transform(points), rotation.transform(normals)))
@@ -76,8 +76,8 @@ def _fill(points: Array, normals: Array, origin: Array, index: NDArray[np.int32]
     for i in range(points.shape[0]):
         x, y = points[i, 0], points[i, 1]
         nx, ny = normals[i, 0], normals[i, 1]
-        column = int(floor((x - origin[0]) / CELL_M))
-        row = int(floor((y - origin[1]) / CELL_M))
+        column = floor((x - origin[0]) / CELL_M)
+        row = floor((y - origin[1]) / CELL_M)
         if row < 0 or column < 0 or row >= rows or column >= columns:
             continue
         j = index[row, column]

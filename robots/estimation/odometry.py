@@ -1,7 +1,7 @@
-"""Motion of the base between two observations, from whatever odometry the robot has (Kleiner 2006 eq. 1 and
-2).
+"""Motion of the base between two observations, from whatever odometry the robot has.
 
-A motion is a Gaussian pose ``previous_from_base`` in the frame of the previous base.
+Kleiner 2006 eq. (1) and (2). A motion is a Gaussian pose ``previous_from_base`` in the frame of the previous
+base.
 """
 
 from __future__ import annotations
@@ -47,13 +47,11 @@ def motion_covariance(
     turn_sd_rad: float | None,
     slipping: bool = False,
 ) -> Array:
-    """Return Sigma_u of eq. (2) as (3, 3) in the previous base frame; variances grow linearly with the
-    motion.
+    """Return Sigma_u of eq. (2) as (3, 3) in the previous base frame.
 
-    ``wheel_arm_m`` is half the track width. ``turn_sd_rad`` is the deviation of a turn measured by the
-    inertial unit, None where the wheels measured it.
-    While the wheels slip the travelled distance is uncertain by ``slip_sd_m`` more; the turn is not
-    (Kleiner 2006).
+    Variances grow linearly with the motion. ``wheel_arm_m`` is half the track width. ``turn_sd_rad`` is the
+    deviation of a turn measured by the inertial unit, None where the wheels measured it. While the wheels
+    slip the travelled distance is uncertain by ``slip_sd_m`` more; the turn is not (Kleiner 2006).
     """
     distance = sqrt(motion.x**2 + motion.y**2)
     rolled = distance + abs(motion.theta) * wheel_arm_m  # wheels roll, and err, in turns on the spot too

@@ -1,9 +1,8 @@
 """Incremental scan matching: the pose that best aligns a scan with the local map of recent scans.
 
 Point-to-line ICP (Censi 2008) over the nearest-point index, with a correlative search (Olson 2009) over a
-coarse window
-where the plain start does not lead to a good alignment. The covariance is the Hessian's, scaled by the
-residuals.
+coarse window where the plain start does not lead to a good alignment. The covariance is the Hessian's, scaled
+by the residuals.
 """
 
 from __future__ import annotations
@@ -28,8 +27,9 @@ _CORRELATED_POINTS = 6.0  # neighbouring beams share the map's errors: so many p
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ScanMatch:
-    """An alignment: pose with covariance in the local frame, share of matched points, rms residual in
-    metres.
+    """An alignment of a scan with the local map.
+
+    ``pose`` with covariance in the local frame, share of matched points, rms residual in metres.
     """
 
     pose: GaussianPose
@@ -40,9 +40,9 @@ class ScanMatch:
 def match(local_map: LocalMap, scan: ScanPoints, guess: Pose2, config: ScanMatchConfig) -> ScanMatch | None:
     """Align a scan with the map, starting from ``guess`` (``local_from_base``).
 
-    None where the scan cannot be trusted: too many far readings, too few points, too little overlap with
-    the map, or a correction
-    larger than odometry can be wrong (Kleiner 2006: then the pose is updated by odometry only).
+    None where the scan cannot be trusted: too many far readings, too few points, too little overlap with the
+    map, or a correction larger than odometry can be wrong (Kleiner 2006: then the pose is updated by odometry
+    only).
     """
     if (
         scan.far_fraction > config.max_far_fraction
@@ -95,8 +95,8 @@ def _plausible(start: Array, pose: Array, config: ScanMatchConfig) -> bool:
 
 @njit(cache=True)
 def _nearest(x: float, y: float, index: NDArray[np.int32], origin: Array) -> int:
-    column = int(floor((x - origin[0]) / CELL_M))
-    row = int(floor((y - origin[1]) / CELL_M))
+    column = floor((x - origin[0]) / CELL_M)
+    row = floor((y - origin[1]) / CELL_M)
     if row < 0 or column < 0 or row >= index.shape[0] or column >= index.shape[1]:
         return -1
     return int(index[row, column])
@@ -112,8 +112,9 @@ def _icp(
     index: NDArray[np.int32],
     origin: Array,
 ) -> tuple[Array, Array, float, float]:
-    """Return pose (3,), Hessian (3, 3) of the squared residuals in metres, share of inliers and their rms
-    residual.
+    """Return pose, Hessian, share of inliers and rms residual of the alignment.
+
+    Pose (3,), Hessian (3, 3) of the squared residuals in metres, rms residual of the inliers in metres.
     """
     pose = start.copy()
     n = points.shape[0]

@@ -21,12 +21,12 @@ _ENOUGH_POINTS = 20
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ScanPoints:
-    """End points (n, 2) of a scan in the base frame, unit normals (n, 2) towards the sensor (zero where
-    unknown).
+    """End points of a scan with surface normals, in the base frame.
 
+    ``points`` (n, 2) in metres; ``normals`` (n, 2), unit, towards the sensor, zero where unknown;
     ``far_fraction`` is the share of beams that hit nothing. Things as small as a robot that stand free are
-    left out where enough
-    else is seen: they may be other robots, and a scan matched to one that drives away would be dragged along.
+    left out where enough else is seen: they may be other robots, and a scan matched to one that drives away
+    would be dragged along.
     """
 
     points: Array

@@ -1,5 +1,6 @@
-"""One robot's growing tag graph: anchors it has passed, tags it has read, and the measurements between
-them.
+"""One robot's growing tag graph.
+
+Anchors it has passed, tags it has read, and the measurements between them.
 """
 
 from __future__ import annotations
@@ -17,8 +18,9 @@ _BEND_SD_RAD = 0.035  # headings of a compass are this much off for minutes at a
 
 
 class TagGraph:
-    """Pose vertices in the map frame, the first at the start; each next one is joined to its predecessor by
-    an edge.
+    """Pose vertices in the map frame, the first at the start.
+
+    Each next one is joined to its predecessor by an edge.
     """
 
     def __init__(self, config: AgentConfig, start: Pose2, stamp_s: float, yaw_rad: float | None) -> None:
@@ -74,13 +76,21 @@ class TagGraph:
         report = self.report()
         known = np.flatnonzero(np.isfinite(report.yaws_rad))
         return GraphProblem(
-            poses=report.poses, tags=report.tags,
-            edge_pairs=report.edge_pairs, edge_poses=report.edge_poses, edge_covariances=report.edge_covariances,
-            sighting_pairs=report.sighting_pairs, sighting_offsets=report.sighting_offsets,
+            poses=report.poses,
+            tags=report.tags,
+            edge_pairs=report.edge_pairs,
+            edge_poses=report.edge_poses,
+            edge_covariances=report.edge_covariances,
+            sighting_pairs=report.sighting_pairs,
+            sighting_offsets=report.sighting_offsets,
             sighting_covariances=report.sighting_covariances,
-            prior_index=np.zeros(1, np.int64), prior_poses=report.poses[:1], prior_sds=np.full((1, 3), _START_SD),
-            heading_index=known, heading_rad=report.yaws_rad[known], heading_sd_rad=np.full(len(known), _BEND_SD_RAD),
-        )  # fmt: skip
+            prior_index=np.zeros(1, np.int64),
+            prior_poses=report.poses[:1],
+            prior_sds=np.full((1, 3), _START_SD),
+            heading_index=known,
+            heading_rad=report.yaws_rad[known],
+            heading_sd_rad=np.full(len(known), _BEND_SD_RAD),
+        )
 
     def report(self) -> GraphReport:
         """Return the graph as it leaves the process."""

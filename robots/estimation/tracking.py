@@ -1,12 +1,9 @@
-"""The pose since the last anchor: dead reckoning and scan matching fused, with a covariance that stays
-honest.
+"""The pose since the last anchor: dead reckoning and scan matching fused.
 
 Poses live in a *local frame* that never jumps. The scan matcher measures the pose relative to recent scans,
-which carry the pose errors
-of their own time: taken as an absolute measurement, eq. (3) and (4) would shrink the covariance for ever.
-So the filter runs relative to a
-*reference* pose; when the robot has left it behind, the reference moves on and its uncertainty is composed
-into the displacement.
+which carry the pose errors of their own time: taken as an absolute measurement, eq. (3) and (4) would shrink
+the covariance for ever. To keep it honest the filter runs relative to a *reference* pose; when the robot has
+left it behind, the reference moves on and its uncertainty is composed into the displacement.
 """
 
 from __future__ import annotations
@@ -24,9 +21,7 @@ from robots.estimation.scan_points import scan_points
 from robots.se2 import Array, GaussianPose, Pose2, wrap
 from robots.types import ImuReading, LaserScan, Odometry
 
-_REFERENCE_M = (
-    1.0  # the reference moves on after so much driving: about the stretch whose scans overlap fully
-)
+_REFERENCE_M = 1.0  # the reference moves on after so much: about the stretch whose scans overlap fully
 _CONTRADICTION = 16.0  # squared Mahalanobis distance, 3 degrees of freedom: one honest match in a thousand
 _PATIENCE = 5  # scans, a second
 _BLIND_REFERENCE_M = 3.0  # and after so much where no scan can be matched
@@ -100,9 +95,9 @@ class PoseTracker:
     def _fuse(self, matched: GaussianPose) -> bool:
         """Fuse the scan matcher's pose; say whether it was believed.
 
-        One that contradicts odometry is put aside: an alignment to the wrong wall, or to robots that move.
-        If the contradiction lasts, it
-        is the odometry that is wrong (the wheels slip, or somebody carried the robot).
+        One that contradicts odometry is put aside: an alignment to the wrong wall, or to robots that move. If
+        the contradiction lasts, it is the odometry that is wrong (the wheels slip, or somebody carried the
+        robot).
         """
         seen = self._in_reference(matched)
         predicted = self._reference_from_base

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from math import cos, hypot, sin
 
 import numpy as np
+from numpy.typing import NDArray
 
 from robots.config import AgentConfig, ConfigError
 from robots.exploration.frontiers import Frontier, find_frontiers
@@ -32,8 +33,9 @@ _DONE_RECHECK_S = 5.0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Decision:
-    """Velocities for the body, and what the robot is doing in words. ``goal_m`` and ``path_m`` (n, 2) in
-    the map frame.
+    """Velocities for the body, and what the robot is doing in words.
+
+    ``goal_m`` and ``path_m`` (n, 2) in the map frame.
     """
 
     linear_mps: float
@@ -62,9 +64,7 @@ class Explorer:
         self._planned_s: float | None = None
         self._grid: PlanGrid | None = None
         self._blocked: list[tuple[float, float, float]] = []  # x, y, until: ground that cannot be driven
-        self._aside: list[
-            tuple[float, float, float]
-        ] = []  # x, y, until: frontiers that could not be resolved
+        self._aside: list[tuple[float, float, float]] = []  # x, y, until: unresolved frontiers
         self._arrived_s: float | None = None
         self._anchor_pose: Pose2 | None = None  # where progress was last seen
         self._anchor_s = 0.0
@@ -172,8 +172,9 @@ class Explorer:
         self._path = np.zeros((0, 2))
 
     def _recover(self, now_s: float, pose: Pose2, bumped: bool) -> Decision | None:
-        """Notice that driving leads nowhere; then back off, turn away, and put the place ahead aside for a
-        while.
+        """Notice that driving leads nowhere, and get away.
+
+        Back off, turn away, and put the place ahead aside for a while.
         """
         if self._back_off_until_s is not None:
             if now_s < self._back_off_until_s:
@@ -210,7 +211,7 @@ def _near(point: tuple[float, float], places: list[tuple[float, float, float]], 
     return any(hypot(point[0] - x, point[1] - y) < within_m for x, y, _ in places)
 
 
-def _points(grid: PlanGrid, cells: np.ndarray) -> Array:
+def _points(grid: PlanGrid, cells: NDArray[np.int32]) -> Array:
     """Return the centres of the cells, (n, 2) metres in the map frame."""
     return np.column_stack(
         [

@@ -14,11 +14,10 @@ from robots.planning.travel import UNREACHED
 
 @dataclass(frozen=True, slots=True)
 class Frontier:
-    """A connected border to the unknown: the cell of it that is cheapest to reach, its length and the cost
-    of going there.
+    """A connected border to the unknown: where to drive to see it, its length and the cost of going there.
 
-    ``goal`` (row, column) in the plan grid; ``goal_m`` (x, y) in the map frame; ``length_m`` and ``cost_m``
-    in metres.
+    ``goal`` (row, column) in the plan grid is the cell of it that is cheapest to reach; ``goal_m`` (x, y) in
+    the map frame; ``length_m`` and ``cost_m`` in metres.
     """
 
     goal: tuple[int, int]
@@ -31,8 +30,7 @@ def find_frontiers(grid: PlanGrid, costs: NDArray[np.int32], min_length_m: float
     """Return the frontiers of at least ``min_length_m`` that can be reached, nearest first.
 
     A frontier's cells are free and touch unknown cells; where the body does not fit right up to them, the
-    goal is the nearest cell that it
-    can reach within ``_APPROACH`` cells.
+    goal is the nearest cell that it can reach within ``_APPROACH`` cells.
     """
     labels, count = _label(grid.cells)
     if count == 0:

@@ -11,8 +11,9 @@ from robots.se2 import Pose2
 
 @dataclass(frozen=True, slots=True)
 class ExplorationView:
-    """What a strategy may use: the robot's pose and its reachable frontiers, in the map frame, nearest
-    first.
+    """What a strategy may use, in the map frame.
+
+    The robot's pose and its reachable frontiers, nearest first.
     """
 
     pose: Pose2

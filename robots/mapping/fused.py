@@ -43,20 +43,22 @@ class FusedGrid:
         return self._column0 * self.resolution_m, self._row0 * self.resolution_m
 
     def put(
-        self, key: Hashable, version: int, map_from_grid: Pose2, cells: NDArray[np.int16] | NDArray[np.int8],
+        self,
+        key: Hashable,
+        version: int,
+        map_from_grid: Pose2,
+        cells: NDArray[np.int16] | NDArray[np.int8],
         tolerance_m: float = 0.01,
-    ) -> bool:  # fmt: skip
+    ) -> bool:
         """Draw a submap, replacing its earlier drawing; say whether anything changed.
 
         ``map_from_grid`` places the lower left corner of the submap's cell (0, 0). A submap that moved by
-        less than
-        ``tolerance_m`` at its far corner keeps its drawing.
+        less than ``tolerance_m`` at its far corner keeps its drawing.
         """
         old = self._drawn.get(key)
         if old is not None:
-            if old.version == version and self._same_place(
-                old.map_from_grid, map_from_grid, cells, tolerance_m
-            ):
+            stays = self._same_place(old.map_from_grid, map_from_grid, cells, tolerance_m)
+            if old.version == version and stays:
                 return False
             self._add(old, -1)
         if cells.size == 0:
@@ -135,7 +137,7 @@ def _resample(
     for row in range(drawing.shape[0]):
         for column in range(drawing.shape[1]):
             dx, dy = left + column - x, low + row - y
-            u = int(floor(c * dx + s * dy))
-            v = int(floor(-s * dx + c * dy))
+            u = floor(c * dx + s * dy)
+            v = floor(-s * dx + c * dy)
             if 0 <= v < cells.shape[0] and 0 <= u < cells.shape[1]:
                 drawing[row, column] = cells[v, u]

@@ -51,8 +51,9 @@ class MapKeeper:
         self._submaps[-1].add_free(self._local_from_anchor.between(local_from_base), radius_m)
 
     def add_obstacle(self, local_from_base: Pose2, radius_m: float, scan: LaserScan | None) -> None:
-        """Write an obstacle that was felt right ahead, where the laser sees none: glass, or bricks below
-        its plane.
+        """Write an obstacle that was felt right ahead, where the laser sees none.
+
+        Glass, or bricks below its plane.
         """
         if scan is not None and free_ahead(scan, radius_m) < 0.25:
             return
@@ -60,8 +61,9 @@ class MapKeeper:
         self._submaps[-1].add_obstacle(self._local_from_anchor.between(point), _FELT_RADIUS_M)
 
     def draw(self, poses: list[Pose2]) -> None:
-        """Draw the submaps where the graph now has their anchors: those that moved, and the one being
-        written.
+        """Draw the submaps where the graph now has their anchors.
+
+        Those that moved, and the one being written.
         """
         for submap in self._submaps[:-1]:
             pose = poses[submap.anchor]

@@ -35,10 +35,9 @@ def cast_scan(
 ) -> None:
     """Add one scan, taken at (x, y, theta) in the grid's frame, to the grid in place.
 
-    Every cell changes at most once a scan: cells with a hit by ``hit``, cells crossed by a beam by
-    ``-miss``. Far readings clear with
-    half the weight, because glass and smoke return them too. ``touched`` (same shape, int32) remembers the
-    cells of scan ``mark``.
+    Every cell changes at most once a scan: cells with a hit by ``hit``, cells crossed by a beam by ``-miss``.
+    Far readings clear with half the weight, because glass and smoke return them too. ``touched`` (same shape,
+    int32) remembers the cells of scan ``mark``.
     """
     rows, columns = grid.shape
     for i in range(ranges.shape[0]):  # hits first: they take precedence over beams that graze the same cell
@@ -46,8 +45,8 @@ def cast_scan(
         if not isfinite(r) or r >= range_max - 1e-3 or r >= limit or r <= 0.02:
             continue
         a = theta + angle_min + i * increment
-        c = int(floor((x + r * cos(a) - origin_x) / resolution))
-        w = int(floor((y + r * sin(a) - origin_y) / resolution))
+        c = floor((x + r * cos(a) - origin_x) / resolution)
+        w = floor((y + r * sin(a) - origin_y) / resolution)
         if 0 <= w < rows and 0 <= c < columns and touched[w, c] != mark:
             touched[w, c] = mark
             grid[w, c] = min(bound, grid[w, c] + hit)
@@ -62,7 +61,7 @@ def cast_scan(
         dx, dy = cos(a), sin(a)
         # Amanatides and Woo: walk the cells from the sensor to the end of the beam
         gx, gy = (x - origin_x) / resolution, (y - origin_y) / resolution
-        c, w = int(floor(gx)), int(floor(gy))
+        c, w = floor(gx), floor(gy)
         step_c = 1 if dx > 0 else -1
         step_w = 1 if dy > 0 else -1
         inv_x = 1.0 / abs(dx) if abs(dx) > 1e-12 else 1e12

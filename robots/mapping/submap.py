@@ -20,7 +20,7 @@ class Submap:
     """Log-odds (tenths) in a grid frame whose axes are parallel to the map's at the time of creation.
 
     ``anchor_from_grid`` places the grid's frame in the anchor's; cell (0, 0) has its lower left corner at
-    ``origin``.
+    (``origin_x``, ``origin_y``).
     """
 
     def __init__(self, anchor: int, map_from_anchor: Pose2, config: MappingConfig) -> None:
@@ -55,8 +55,8 @@ class Submap:
         base = self.anchor_from_grid.between(anchor_from_base)
         self._cover(base.x, base.y, radius_m + config.resolution_m)
         steps = int(radius_m / config.resolution_m)
-        row = int(floor((base.y - self.origin_y) / config.resolution_m))
-        column = int(floor((base.x - self.origin_x) / config.resolution_m))
+        row = floor((base.y - self.origin_y) / config.resolution_m)
+        column = floor((base.x - self.origin_x) / config.resolution_m)
         patch = self.cells[row - steps : row + steps + 1, column - steps : column + steps + 1]
         np.minimum(patch, -config.hit_logodds, out=patch)
         self.version += 1
@@ -66,8 +66,8 @@ class Submap:
         config = self._config
         point = self.anchor_from_grid.between(anchor_from_point)
         self._cover(point.x, point.y, radius_m + config.resolution_m)
-        row = int(floor((point.y - self.origin_y) / config.resolution_m))
-        column = int(floor((point.x - self.origin_x) / config.resolution_m))
+        row = floor((point.y - self.origin_y) / config.resolution_m)
+        column = floor((point.x - self.origin_x) / config.resolution_m)
         stamp_disc(self.cells, row, column, round(radius_m / config.resolution_m), config.limit_logodds)
         self.version += 1
 

@@ -1,5 +1,6 @@
-"""Following a path: pure pursuit with a turn on the spot for large angles, slowed by what the laser sees
-ahead.
+"""Following a path: pure pursuit with a turn on the spot for large angles.
+
+Slowed by what the laser sees ahead.
 """
 
 from __future__ import annotations
@@ -22,8 +23,9 @@ _REACTION_S = 0.45  # one control period and the time to stop
 def follow(
     path: Array, pose: Pose2, grid: PlanGrid, scan: LaserScan | None, body: BodyConfig
 ) -> tuple[float, float]:
-    """Return velocities (m/s, rad/s) that follow a path, (n, 2) points in the map frame, from a pose in
-    that frame.
+    """Return velocities (m/s, rad/s) that follow a path from a pose.
+
+    ``path`` (n, 2) points and ``pose`` in the map frame.
     """
     if len(path) == 0:
         return 0.0, 0.0
@@ -42,8 +44,9 @@ def follow(
 
 
 def _target(path: Array, pose: Pose2, grid: PlanGrid) -> tuple[float, float]:
-    """Return the farthest point of the path within the look-ahead distance that can be driven to in a
-    straight line.
+    """Return the farthest point of the path within the look-ahead distance with a clear way to it.
+
+    Clear is what can be driven in a straight line.
     """
     distances = np.hypot(path[:, 0] - pose.x, path[:, 1] - pose.y)
     at = int(distances.argmin())

@@ -18,10 +18,11 @@ _FAR = 200  # cells: farther than any clearance that matters
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PlanGrid:
-    """``cells`` uint8 (h, w) of UNKNOWN, FREE, OCCUPIED; ``steps`` uint8 (h, w), the cost in fifths of a
-    cell of entering a
-    cell (0: not for this body). Cell (0, 0) has its lower left corner at ``origin`` (x, y) in the map
-    frame, metres.
+    """The ground as planning sees it, and what it costs to drive there.
+
+    ``cells`` uint8 (h, w) of UNKNOWN, FREE, OCCUPIED; ``steps`` uint8 (h, w), the cost in fifths of a cell of
+    entering a cell (0: not for this body). Cell (0, 0) has its lower left corner at ``origin`` (x, y) in the
+    map frame, metres.
     """
 
     cells: NDArray[np.uint8]
@@ -39,7 +40,8 @@ class PlanGrid:
 
     def holds(self, row: int, column: int) -> bool:
         """Say whether the cell lies in the grid."""
-        return 0 <= row < self.cells.shape[0] and 0 <= column < self.cells.shape[1]
+        rows, columns = self.cells.shape
+        return bool(0 <= row < rows and 0 <= column < columns)
 
 
 def plan_grid(
@@ -49,8 +51,9 @@ def plan_grid(
     mapping: MappingConfig,
     blocked: NDArray[np.float64],
 ) -> PlanGrid:
-    """Make the plan grid of a fused map. ``blocked`` (n, 3): x, y, radius of places put aside because
-    driving there failed.
+    """Make the plan grid of a fused map.
+
+    ``blocked`` (n, 3): x, y, radius of places put aside because driving there failed.
     """
     factor = max(1, round(planning.cell_m / fused.resolution_m))
     cells = _coarsen(fused.cells, factor, mapping.occupied_logodds, mapping.miss_logodds)
@@ -86,8 +89,9 @@ def _coarsen(fused: NDArray[np.int32], factor: int, occupied: int, free: int) ->
 
 @njit(cache=True)
 def _step_costs(cells: NDArray[np.uint8], keep_off: float, comfort: float) -> NDArray[np.uint8]:
-    """Cost of entering each cell: 5 in the open, up to 15 next to obstacles, 0 where the body does not
-    fit.
+    """Return the cost of entering each cell.
+
+    5 in the open, up to 15 next to obstacles, 0 where the body does not fit.
     """
     rows, columns = cells.shape
     squared = np.full((rows, columns), _FAR * _FAR, np.int32)

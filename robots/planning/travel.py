@@ -1,5 +1,6 @@
-"""Travel costs from the robot to everywhere it can reach, and shortest paths (Dial's buckets; A* for one
-goal).
+"""Travel costs from the robot to everywhere it can reach, and shortest paths.
+
+Dial's buckets for the costs; A* for the path to one goal.
 """
 
 from __future__ import annotations
@@ -10,42 +11,51 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from robots.planning.plan_grid import PlanGrid
+from robots.planning.plan_grid import FREE, PlanGrid
 
 UNREACHED = 2**31 - 1
+_LEAVE = 3  # cells round the start where the body may drive closer to obstacles than it should
 _BUCKETS = 32  # more than the dearest single move: 15 * 7 / 5 = 21
 
 
 def travel_costs(grid: PlanGrid, row: int, column: int) -> NDArray[np.int32]:
-    """Return the cost of driving from a cell to every other, int32 (h, w), in fifths of a cell; UNREACHED
-    where it cannot.
+    """Return the cost of driving from a cell to every other, int32 (h, w), in fifths of a cell.
 
-    The start need not be passable: a robot that finds itself too close to something may leave.
+    UNREACHED where it cannot. The start need not be passable: a robot that finds itself too close to
+    something may leave.
     """
-    return np.asarray(_flood(grid.steps, row, column, 3))
+    return np.asarray(_flood(grid.steps, grid.cells, row, column))
 
 
 def find_path(grid: PlanGrid, start: tuple[int, int], goal: tuple[int, int]) -> NDArray[np.int32] | None:
-    """Return the cheapest cells from start to goal, (n, 2) of row and column, by A*; None where there is no
-    way.
+    """Return the cheapest cells from start to goal, (n, 2) of row and column, by A*.
+
+    None where there is no way.
     """
-    cells = _a_star(grid.steps, start[0], start[1], goal[0], goal[1], 3)
+    cells = _a_star(grid.steps, grid.cells, start[0], start[1], goal[0], goal[1])
     return cells if len(cells) else None
 
 
 @njit(cache=True)
-def _passable(steps: NDArray[np.uint8], r: int, c: int, start_r: int, start_c: int, leave: int) -> int:
-    """Cost of entering a cell; near the start also cells too close to an obstacle, dearly, so that the
-    robot can leave.
+def _passable(
+    steps: NDArray[np.uint8], cells: NDArray[np.uint8], r: int, c: int, start_r: int, start_c: int
+) -> int:
+    """Return the cost of entering a cell, 0 where that is not possible.
+
+    Near the start also free cells too close to an obstacle, dearly, so that the robot can leave; from where
+    the map has no free ground, any cell.
     """
     s = int(steps[r, c])
-    if s == 0 and abs(r - start_r) <= leave and abs(c - start_c) <= leave:
+    near = abs(r - start_r) <= _LEAVE and abs(c - start_c) <= _LEAVE
+    if s == 0 and near and (cells[r, c] == FREE or cells[start_r, start_c] != FREE):
         return 15
     return s
 
 
 @njit(cache=True)
-def _flood(steps: NDArray[np.uint8], start_r: int, start_c: int, leave: int) -> NDArray[np.int32]:
+def _flood(
+    steps: NDArray[np.uint8], cells: NDArray[np.uint8], start_r: int, start_c: int
+) -> NDArray[np.int32]:
     rows, columns = steps.shape
     cost = np.full((rows, columns), UNREACHED, np.int32)
     if start_r < 0 or start_c < 0 or start_r >= rows or start_c >= columns:
@@ -70,7 +80,7 @@ def _flood(steps: NDArray[np.uint8], start_r: int, start_c: int, leave: int) -> 
                     y, x = r + dr, c + dc
                     if (dr == 0 and dc == 0) or y < 0 or x < 0 or y >= rows or x >= columns:
                         continue
-                    s = _passable(steps, y, x, start_r, start_c, leave)
+                    s = _passable(steps, cells, y, x, start_r, start_c)
                     if s == 0:
                         continue
                     new = level + (s * 7 // 5 if dr != 0 and dc != 0 else s)
@@ -90,7 +100,7 @@ def _flood(steps: NDArray[np.uint8], start_r: int, start_c: int, leave: int) -> 
 
 @njit(cache=True)
 def _a_star(
-    steps: NDArray[np.uint8], start_r: int, start_c: int, goal_r: int, goal_c: int, leave: int
+    steps: NDArray[np.uint8], cells: NDArray[np.uint8], start_r: int, start_c: int, goal_r: int, goal_c: int
 ) -> NDArray[np.int32]:
     rows, columns = steps.shape
     none = np.empty((0, 2), np.int32)
@@ -115,7 +125,7 @@ def _a_star(
                 y, x = r + dr, c + dc
                 if (dr == 0 and dc == 0) or y < 0 or x < 0 or y >= rows or x >= columns:
                     continue
-                s = _passable(steps, y, x, start_r, start_c, leave)
+                s = _passable(steps, cells, y, x, start_r, start_c)
                 if s == 0:
                     continue
                 new = cost[r, c] + (s * 7 // 5 if dr != 0 and dc != 0 else s)

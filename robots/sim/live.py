@@ -108,6 +108,7 @@ def play(
     progress: Callable[[Simulation], None] | None = None,
     agent_factory: AgentFactory = RobotAgent,
     merge: Merge = merge_commands,
+    client: type[RobotClient] = RobotClient,
 ) -> LiveResult:
     """Play a scenario on a server, ``speed`` times as fast as real time (0: as fast as it answers).
 
@@ -122,7 +123,7 @@ def play(
     began = time.monotonic()
     simulation = Simulation(config)
     clients = {
-        robot_id: RobotClient(url, mission_id, robot_id, patience_s=inf) for robot_id in config.robot_ids
+        robot_id: client(url, mission_id, robot_id, patience_s=inf) for robot_id in config.robot_ids
     }
     with ThreadPoolExecutor(config.robots + 1, "robot") as threads:
         ended = Event()

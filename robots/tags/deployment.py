@@ -1,8 +1,7 @@
 """When to drop a tag (Kleiner 2006 section III).
 
 "The dropping of a tag occurs with higher probability if the tag density is low and the obstacle density on
-the left and right hand side of the
-robot is high": doors and corridors, where someone will pass again.
+the left and right hand side of the robot is high": doors and corridors, where someone will pass again.
 """
 
 from __future__ import annotations
@@ -25,8 +24,9 @@ def tag_density(x: float, y: float, tags: Iterable[tuple[float, float]], spacing
 
 
 def side_density(pose: Pose2, fused: FusedGrid, window_m: float, occupied: int) -> float:
-    """Return the obstacle density left and right of the robot, 0..1: the product of the shares of blocked
-    side rays.
+    """Return the obstacle density left and right of the robot, 0..1.
+
+    The product of the shares of blocked side rays.
     """
     shares = []
     origin_x, origin_y = fused.origin
@@ -80,4 +80,4 @@ class TagDropper:
     def magazine(self, tags_left: int | None) -> None:
         """Take over the count of the magazine from the robot where it counts itself."""
         if tags_left is not None:
-            self.left = tags_left
+            self.left = max(0, tags_left)

@@ -1,11 +1,9 @@
 """What a tag's memory says: which ground round it has been covered, as a value that merges.
 
-A window of 27 x 27 cells of 1 m, centred on the tag, rows to the north (x of the frame), columns to the
-west (y): the frame of the
-writer's compass. A cell only grows: unknown < covered with an open frontier < covered and closed. Merging
-takes the maximum, so it is
-commutative, associative and idempotent, and no order of visits loses anything. 187 bytes: it fits a
-2,048-bit tag beside its link.
+A window of 27 x 27 cells of 1 m, centred on the tag, rows to the north (x of the frame), columns to the west
+(y): the frame of the writer's compass. A cell only grows: unknown < covered with an open frontier < covered
+and closed. Merging takes the maximum, so it is commutative, associative and idempotent, and no order of
+visits loses anything. 186 bytes: it fits a 2,048-bit tag beside its link.
 """
 
 from __future__ import annotations
@@ -54,7 +52,7 @@ class TagMemory:
 
 
 def encode_memory(memory: TagMemory) -> bytes:
-    """Return the 187 bytes of a memory: version, checksum, two bits a cell."""
+    """Return the 186 bytes of a memory: version, checksum, two bits a cell."""
     bits = np.unpackbits(memory.cells.reshape(-1, 1), axis=1)[:, 6:].ravel()
     body = np.packbits(bits).tobytes()
     check = zlib.crc32(body) & 0xFFFF

@@ -1,5 +1,6 @@
-"""How the robots' map frames lie in the world: surveyed starts first, then from robot to robot by shared
-tags.
+"""How the robots' map frames lie in the world.
+
+Surveyed starts first, then from robot to robot by shared tags.
 """
 
 from __future__ import annotations
@@ -21,8 +22,8 @@ def join_frames(
     """Return ``world_from_map`` of every robot that can be placed.
 
     Robots with a surveyed start stand where it says; if none has one, the first robot's map is the world.
-    Every other robot joins when it
-    shares tags with one that is placed: one tag is enough where both have a compass, else it takes two.
+    Every other robot joins when it shares tags with one that is placed: one tag is enough where both have a
+    compass, else it takes two.
     """
     frames: dict[str, Pose2] = {}
     for name, graph in graphs.items():
@@ -40,8 +41,9 @@ def join_frames(
 
 
 def _joined(name: str, graphs: Mapping[str, GraphReport], frames: Mapping[str, Pose2]) -> Pose2 | None:
-    """Return the frame of a robot from the tags it shares with those already placed, None where they do not
-    suffice.
+    """Return the frame of a robot from the tags it shares with those already placed.
+
+    None where they do not suffice.
     """
     own = graphs[name]
     mine: list[Array] = []

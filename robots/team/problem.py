@@ -7,7 +7,7 @@ import numpy as np
 from robots.estimation.graph import GraphProblem
 from robots.se2 import Array, Pose2
 from robots.team.types import StartPose
-from robots.types import GraphReport
+from robots.types import GraphReport, IntArray
 
 _HEADING_SD_RAD = 0.035  # of a compass, for minutes at a time
 _HELD_SD = 1e-3  # what holds the world in place where nobody surveyed it
@@ -25,9 +25,8 @@ def joint_problem(
     tags = np.zeros((len(tag_ids), 2))
     offsets: dict[str, int] = {}
     count = 0
-    parts: dict[str, list[Array]] = {
-        key: [] for key in ("poses", "edge_pairs", "sighting_pairs", "prior_poses", "prior_sds")
-    }
+    parts: dict[str, list[Array]] = {key: [] for key in ("poses", "prior_poses", "prior_sds")}
+    pairs_of: dict[str, list[IntArray]] = {key: [] for key in ("edges", "sightings")}
     priors: list[int] = []
     heading_index, headings = [], []
     for name in reversed(names):  # the first robot's places of shared tags are the ones that stand
@@ -39,12 +38,12 @@ def joint_problem(
         offsets[name] = count
         poses = moved(frame, graph.poses)
         parts["poses"].append(poses)
-        parts["edge_pairs"].append(graph.edge_pairs + count)
+        pairs_of["edges"].append(graph.edge_pairs + count)
         to_team = np.array([tag_index[tag] for tag in graph.tag_ids], np.int64)
         pairs = graph.sighting_pairs.copy()
         if len(pairs):
             pairs = np.column_stack([pairs[:, 0] + count, to_team[pairs[:, 1]]])
-        parts["sighting_pairs"].append(pairs)
+        pairs_of["sightings"].append(pairs)
         if start is not None or name == names[0]:
             priors.append(count)
             parts["prior_poses"].append(poses[:1] if start is None else start.pose.as_array()[None])
@@ -59,10 +58,10 @@ def joint_problem(
         GraphProblem(
             poses=np.concatenate(parts["poses"]),
             tags=tags,
-            edge_pairs=np.concatenate(parts["edge_pairs"]).astype(np.int64),
+            edge_pairs=np.concatenate(pairs_of["edges"]).astype(np.int64),
             edge_poses=np.concatenate([graphs[name].edge_poses for name in names]),
             edge_covariances=np.concatenate([graphs[name].edge_covariances for name in names]),
-            sighting_pairs=np.concatenate(parts["sighting_pairs"]).astype(np.int64),
+            sighting_pairs=np.concatenate(pairs_of["sightings"]).astype(np.int64),
             sighting_offsets=np.concatenate([graphs[name].sighting_offsets for name in names]),
             sighting_covariances=np.concatenate([graphs[name].sighting_covariances for name in names]),
             prior_index=np.array(priors, np.int64),

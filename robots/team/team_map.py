@@ -1,13 +1,14 @@
 """The team's map: all robots' tag graphs, submaps and victims in one world frame.
 
 A function of the set of updates it was given, not of their order: for each robot the newest graph, for each
-submap and victim the newest
-version. Robots share no poses, only tags: two robots that have read the same tag are joined by it.
+submap and victim the newest version. Robots share no poses, only tags: two robots that have read the same tag
+are joined by it.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Literal
 
 import numpy as np
@@ -34,9 +35,8 @@ class _Member:
     graph_seq: int = -1
     submaps: dict[int, SubmapReport] = field(default_factory=dict)
     victims: dict[str, VictimEstimate] = field(default_factory=dict)
-    trail: dict[tuple[int, int, int], tuple[int, float, float]] = field(
-        default_factory=dict
-    )  # cell -> seq, x, y
+    # cell -> seq, x, y
+    trail: dict[tuple[int, int, int], tuple[int, float, float]] = field(default_factory=dict)
 
 
 class TeamMap:
@@ -127,11 +127,15 @@ class TeamMap:
                 of_tag[name] = of_tag.get(name, 0) + 1
         self._tags = tuple(
             TeamTag(
-                tag, float(solution.tags[k, 0]), float(solution.tags[k, 1]), solution.tag_covariance(k),
-                sum(counts[tag].values()), tuple(sorted(counts[tag])),
+                tag_id=tag,
+                x_m=float(solution.tags[k, 0]),
+                y_m=float(solution.tags[k, 1]),
+                covariance=solution.tag_covariance(k),
+                sightings=sum(counts[tag].values()),
+                robots=tuple(sorted(counts[tag])),
             )
             for k, tag in enumerate(tag_ids)
-        )  # fmt: skip
+        )
 
     def _links(self) -> tuple[tuple[str, str], ...]:
         pairs: set[tuple[str, str]] = set()
@@ -140,7 +144,7 @@ class TeamMap:
             if graph is None:
                 continue
             order = [graph.tag_ids[int(tag)] for _, tag in graph.sighting_pairs]
-            for a, b in zip(order, order[1:], strict=False):
+            for a, b in pairwise(order):
                 if a != b:
                     pairs.add((min(a, b), max(a, b)))
         return tuple(sorted(pairs))
@@ -181,7 +185,8 @@ class TeamMap:
         world = anchors[index, :2] + np.column_stack(
             [cosine * xy[:, 0] - sine * xy[:, 1], sine * xy[:, 0] + cosine * xy[:, 1]]
         )
-        return world.astype(np.float32)
+        trail: FloatArray32 = world.astype(np.float32)
+        return trail
 
     def _merged_victims(self) -> tuple[TeamVictim, ...]:
         seen = []

@@ -13,8 +13,9 @@ from robots.types import FloatArray32
 
 @dataclass(frozen=True, slots=True)
 class StartPose:
-    """A surveyed start: the pose of the base in the world, and its standard deviations in metres and
-    radians.
+    """A surveyed start.
+
+    The pose of the base in the world, and its standard deviations in metres and radians.
     """
 
     pose: Pose2
@@ -24,10 +25,10 @@ class StartPose:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TeamRobot:
-    """A robot in the team's map. ``anchors`` (n, 3) world poses of its pose vertices, ``trail_m`` (k, 2)
-    where it drove.
+    """A robot in the team's map.
 
-    Not ``located``: nothing joins it to the world yet; its poses are in its own map frame.
+    ``anchors`` (n, 3) world poses of its pose vertices, ``trail_m`` (k, 2) where it drove. Not ``located``:
+    nothing joins it to the world yet; its poses are in its own map frame.
     """
 
     robot_id: str
@@ -65,8 +66,9 @@ class TeamVictim:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TeamGrid:
-    """The fused map: ``cells`` int8 (h, w), 0..100 occupancy or -1 unknown; cell (0, 0)'s lower left corner
-    at ``origin_m``.
+    """The fused map.
+
+    ``cells`` int8 (h, w), 0..100 occupancy or -1 unknown; cell (0, 0)'s lower left corner at ``origin_m``.
     """
 
     cells: NDArray[np.int8]
@@ -77,8 +79,9 @@ class TeamGrid:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TeamUpdate:
-    """Everything the team knows together, in the world frame. ``links``: pairs of tags driven one after the
-    other.
+    """Everything the team knows together, in the world frame.
+
+    ``links``: pairs of tags driven one after the other.
     """
 
     robots: tuple[TeamRobot, ...]

@@ -31,14 +31,22 @@ def merge_victims(seen: Iterable[TeamVictim]) -> tuple[TeamVictim, ...]:
 
 
 def in_world(robot_id: str, victim: VictimEstimate, world_from_anchor: Pose2) -> TeamVictim:
+    """Return one robot's victim in the world, given where the victim's anchor lies there."""
     x, y = world_from_anchor.transform_point(float(victim.position_m[0]), float(victim.position_m[1]))
     c, s = np.cos(world_from_anchor.theta), np.sin(world_from_anchor.theta)
     rotation = np.array([[c, -s], [s, c]])
     covariance = rotation @ victim.covariance @ rotation.T
     return TeamVictim(
-        victim.victim_id, x, y, covariance, victim.confidence, victim.sightings, (robot_id,),
-        victim.first_seen_s, victim.last_seen_s,
-    )  # fmt: skip
+        victim_id=victim.victim_id,
+        x_m=x,
+        y_m=y,
+        covariance=covariance,
+        confidence=victim.confidence,
+        sightings=victim.sightings,
+        robots=(robot_id,),
+        first_seen_s=victim.first_seen_s,
+        last_seen_s=victim.last_seen_s,
+    )
 
 
 def _merge(first: TeamVictim, second: TeamVictim) -> TeamVictim:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import signal
 import socket
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -40,7 +42,7 @@ def serve(
 
 
 def make_settings(**given: Any) -> Settings:
-    """Return the server's settings: the environment's, with what is given put over them, its port free and known.
+    """Return the environment's settings, with what is given put over them, and a port that is free.
 
     Raises:
         CommandError: a setting is out of range, or the port is busy.
@@ -97,6 +99,8 @@ def run_server(settings: Settings) -> None:
     from db.errors import DatabaseError
     from server.serve import run
 
+    # uvicorn ends gracefully and then sends itself the signal again: it has to leave through our context managers
+    before = signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))
     try:
         settings.data_dir.mkdir(parents=True, exist_ok=True)
         run(settings)
@@ -105,3 +109,5 @@ def run_server(settings: Settings) -> None:
     except OSError as error:
         where = error.filename or settings.data_dir
         raise CommandError(f"{where}: {error.strerror or error}") from error
+    finally:
+        signal.signal(signal.SIGTERM, before)

@@ -12,7 +12,6 @@ import subprocess
 import sys
 import threading
 import time
-import urllib.error
 import urllib.request
 import webbrowser
 from contextlib import suppress
@@ -73,10 +72,16 @@ class SimulatedTeam:
 
     def _wait_for_server(self) -> bool:
         while not self._leaving.wait(_LOOK_EVERY_S):
-            with suppress(OSError, urllib.error.URLError):
-                with urllib.request.urlopen(f"{self._url}/api/v1/health", timeout=2.0) as reply:
-                    if reply.status == 200:
-                        return True
+            if _answers(f"{self._url}/api/v1/health"):
+                return True
+        return False
+
+
+def _answers(url: str) -> bool:
+    try:
+        with urllib.request.urlopen(url, timeout=2.0) as reply:
+            return bool(reply.status == 200)
+    except OSError:  # not there yet, or an error status
         return False
 
 

@@ -1,4 +1,4 @@
-"""Errors of trajectories against independent oracles: scipy.optimize, brute force, the judge's own arithmetic."""
+"""Errors of trajectories against oracles: scipy.optimize, brute force, the judge's own arithmetic."""
 
 import importlib.util
 from pathlib import Path
@@ -44,7 +44,9 @@ def test_alignment_is_the_least_squares_optimum():
     def residuals(x: np.ndarray) -> np.ndarray:
         return (Pose2(x[0], x[1], x[2]).transform(estimate) - truth).ravel()
 
-    best = min((least_squares(residuals, [0.0, 0.0, start]) for start in (-2.0, 0.0, 2.0)), key=lambda r: r.cost)
+    best = min(
+        (least_squares(residuals, [0.0, 0.0, start]) for start in (-2.0, 0.0, 2.0)), key=lambda r: r.cost
+    )
     ours = align(estimate, truth).apply(estimate) - truth
     assert np.sum(ours**2) == pytest.approx(2.0 * best.cost, rel=1e-9)
 
@@ -154,7 +156,9 @@ def test_absolute_error_agrees_with_the_judge(judge, seed):
     keep = rng.random(600) < 0.9
     keep[300:310] = False  # a gap of a second
     truth = Trajectory(truth.stamps_s[keep], truth.poses[keep])
-    dense = carried(wander(np.random.default_rng(seed), 600), Pose2(1.0, 2.0, 3.0), rng.normal(0.0, 0.2, (600, 3)))
+    dense = carried(
+        wander(np.random.default_rng(seed), 600), Pose2(1.0, 2.0, 3.0), rng.normal(0.0, 0.2, (600, 3))
+    )
     estimate = Trajectory(dense.stamps_s - 5.0 + 0.013, dense.poses)
     theirs, poses = judge.ate(estimate.stamps_s, estimate.poses, truth.stamps_s, truth.poses)
     ours = absolute_error(estimate, truth)

@@ -7,8 +7,9 @@ import pytest
 import yaml
 from PIL import Image
 
-from robots.outputs import MapGrid, TagPoint, write_map, write_tags, write_trajectories
+from robots.outputs import write_map, write_tags, write_trajectories
 from robots.sim.map_files import load_map
+from robots.team import TeamGrid, TeamTag
 from robots.trajectory import Trajectory
 from robots.tum import read_tum
 
@@ -30,7 +31,7 @@ def test_every_class_of_the_map_is_read_back(tmp_path, free_thresh):
     cells = np.full((4, 6), -1, np.int8)
     cells[1, 1:5] = [0, 49, 65, 100]
     cells[2, 3] = 57  # seen, but equivocal
-    write_map(tmp_path, MapGrid(cells, (-1.5, 2.25), 0.05))
+    write_map(tmp_path, TeamGrid(cells, (-1.5, 2.25), 0.05, 1))
     classes, fields = read_back(tmp_path, free_thresh)
     expected = np.full((4, 6), -1)
     expected[1, 1:5] = [0, 0, 100, 100]
@@ -44,7 +45,7 @@ def test_the_simulator_drives_in_a_map_that_was_written(tmp_path):
     cells = np.full((20, 30), -1, np.int8)
     cells[5:15, 5:25] = 0
     cells[5, 5:25] = 100
-    write_map(tmp_path, MapGrid(cells, (0.0, 0.0), 0.05))
+    write_map(tmp_path, TeamGrid(cells, (0.0, 0.0), 0.05, 1))
     world = load_map(tmp_path / "map.yaml")
     assert world.free[1:-1, 1:-1].tolist() == (cells == 0).tolist()  # a rim of wall is put round every map
 
@@ -56,7 +57,7 @@ def test_without_a_grid_the_map_is_one_unknown_cell(tmp_path):
 
 
 def test_tags_are_written_with_their_covariance(tmp_path):
-    write_tags(tmp_path, [TagPoint("17", 1.25, -3.5, np.array([[0.01, 0.002], [0.002, 0.04]]))])
+    write_tags(tmp_path, [TeamTag("17", 1.25, -3.5, np.array([[0.01, 0.002], [0.002, 0.04]]), 3, ("r1",))])
     rows = list(csv.DictReader((tmp_path / "tags.csv").read_text().splitlines()))
     assert rows == [
         {

@@ -15,7 +15,7 @@ poses = st.builds(Pose2, coordinates, coordinates, coordinates)
 
 
 def drive(motions: list[Pose2], per_segment: int) -> tuple[list[TrajectoryStep], np.ndarray, dict]:
-    """Dead reckoning with a new anchor every so many motions; steps, anchors and edges that agree with each other."""
+    """Dead reckoning with a new anchor every so many motions; steps, anchors and edges agree."""
     world, anchor, local = Pose2(), 0, Pose2()
     anchors, edges, steps = [Pose2()], {}, [TrajectoryStep(0.0, 0, Pose2())]
     for number, motion in enumerate(motions, start=1):

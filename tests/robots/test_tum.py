@@ -23,7 +23,9 @@ def test_poses_without_a_stamp_are_left_out(tmp_path):
 
 
 def test_comments_blank_lines_and_lines_that_are_not_finite_are_passed_over(tmp_path):
-    (tmp_path / "t.tum").write_text("# stamp x y\n\n1 2 3 0 0 0 0 1 # end\nnan 2 3 0 0 0 0 1\n2 2 inf 0 0 0 0 1\n")
+    (tmp_path / "t.tum").write_text(
+        "# stamp x y\n\n1 2 3 0 0 0 0 1 # end\nnan 2 3 0 0 0 0 1\n2 2 inf 0 0 0 0 1\n"
+    )
     assert read_tum(tmp_path / "t.tum").poses.tolist() == [[2.0, 3.0, 0.0]]
 
 

@@ -1,5 +1,6 @@
 """The Intel format: a small recording written here, damaged files, and the real one where it is at hand."""
 
+from itertools import pairwise
 from math import radians
 from pathlib import Path
 
@@ -43,7 +44,9 @@ def test_frames_become_observations_in_order(tmp_path):
 
 
 def test_row_k_is_the_motion_to_frame_k_plus_1_carried_over_to_the_scanner(tmp_path):
-    increments = np.array([[9.0, 9.0, 9.0], [0.3, 0.0, 0.1], [0.2, 0.01, -0.4], [0.0, 0.0, 0.5], [0.1, 0.0, 0.0]])
+    increments = np.array(
+        [[9.0, 9.0, 9.0], [0.3, 0.0, 0.1], [0.2, 0.01, -0.4], [0.0, 0.0, 0.5], [0.1, 0.0, 0.0]]
+    )
     increments = np.vstack([increments, [7.0, 7.0, 7.0]])  # the motion after the last frame
     motions = [o.odometry for o in load(write(tmp_path, odo_increments=increments)).observations("r1")]
     assert (motions[0].dx_m, motions[0].dy_m, motions[0].dtheta_rad) == (0.0, 0.0, 0.0)
@@ -92,8 +95,14 @@ def test_the_truth_is_the_reference_path(tmp_path):
     ("changes", "message"),
     [
         ({"ranges": None}, "has no array 'ranges'; it holds"),
-        ({"ranges": np.zeros((6, 361), np.float32)}, r"array 'ranges' has shape \(6, 361\), expected \(6, 180\)"),
-        ({"odo_increments": np.zeros((5, 3))}, r"array 'odo_increments' has shape \(5, 3\), expected \(6, 3\)"),
+        (
+            {"ranges": np.zeros((6, 361), np.float32)},
+            r"array 'ranges' has shape \(6, 361\), expected \(6, 180\)",
+        ),
+        (
+            {"odo_increments": np.zeros((5, 3))},
+            r"array 'odo_increments' has shape \(5, 3\), expected \(6, 3\)",
+        ),
         ({"t_epoch": np.array(["a"] * 6)}, "array 't_epoch' has to hold numbers"),
         ({"t_epoch": np.array(3.0)}, "array 't_epoch' has shape"),
         ({"t_epoch": np.full(6, np.nan)}, "'t_epoch' holds fewer than two stamps"),
@@ -143,7 +152,7 @@ def test_the_real_recording():
     assert turned == pytest.approx(326.0, rel=0.001)  # the same for wheels and scanner
     far = np.mean([np.mean(o.scan.ranges_m >= o.scan.range_max_m) for o in observations])
     assert far == pytest.approx(0.028, abs=0.001)
-    assert all(b.stamp_s >= a.stamp_s for a, b in zip(observations[:-1], observations[1:], strict=True))
+    assert all(b.stamp_s >= a.stamp_s for a, b in pairwise(observations))
     tags = [tag.tag_id for o in observations for tag in o.tag_sightings]
     assert len(set(tags)) > 50
     assert len(tags) > 1.5 * len(set(tags))  # places are passed again

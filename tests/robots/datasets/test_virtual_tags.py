@@ -42,4 +42,6 @@ def test_every_frame_is_near_a_tag_and_every_sighting_within_reach(steps):
     assert (between[~np.eye(len(between), dtype=bool)] >= 1.0).all()
     for frame, numbers in tags.sighted.items():
         assert all(distances[frame, number] <= 0.15 for number in numbers)
-    assert {number for numbers in tags.sighted.values() for number in numbers} == set(range(len(tags.places_m)))
+    assert {number for numbers in tags.sighted.values() for number in numbers} == set(
+        range(len(tags.places_m))
+    )

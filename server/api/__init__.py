@@ -1,0 +1,1 @@
+"""The REST interface and the stream, one router for each noun."""

@@ -1,0 +1,46 @@
+"""Annotations: what people write on the map."""
+
+from __future__ import annotations
+
+import time
+from uuid import UUID
+
+from fastapi import APIRouter
+
+from db.records import AnnotationRecord
+from server.api.common import ERRORS, OneMission
+from server.schemas.findings import AnnotationIn, AnnotationOut, AnnotationsOut
+from server.sharing import annotation_value
+
+router = APIRouter(prefix="/missions/{mission_id}/annotations", tags=["annotations"], responses=ERRORS)
+
+
+@router.get("", summary="All annotations", operation_id="get_annotations")
+async def get_annotations(mission: OneMission) -> AnnotationsOut:
+    """Return every annotation, oldest first."""
+    return AnnotationsOut(
+        annotations=[AnnotationOut(**annotation_value(item)) for item in mission.annotations.values()]
+    )
+
+
+@router.put("/{annotation_id}", summary="Write an annotation", operation_id="put_annotation")
+async def put_annotation(annotation_id: UUID, body: AnnotationIn, mission: OneMission) -> AnnotationOut:
+    """Write or replace an annotation. The id is made by whoever writes it, so sending twice does no harm."""
+    known = mission.annotations.get(str(annotation_id))
+    now = time.time()
+    record = AnnotationRecord(
+        annotation_id=str(annotation_id),
+        created_unix_s=now if known is None else known.created_unix_s,
+        changed_unix_s=now,
+        **body.model_dump(),
+    )
+    await mission.annotate(record)
+    return AnnotationOut(**annotation_value(record))
+
+
+@router.delete(
+    "/{annotation_id}", status_code=204, summary="Remove an annotation", operation_id="delete_annotation"
+)
+async def delete_annotation(annotation_id: UUID, mission: OneMission) -> None:
+    """Take an annotation off the map."""
+    await mission.unannotate(str(annotation_id))

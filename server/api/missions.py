@@ -1,0 +1,66 @@
+"""Missions, STOP for their robots, and what happened in them."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from fastapi import APIRouter, Query
+
+from server.api.common import ERRORS, AllMissions, OneMission
+from server.mission import Mission
+from server.schemas.missions import EventOut, EventsOut, MissionIn, MissionOut, MissionsOut, StopIn, StopOut
+from server.sharing import event_value
+
+router = APIRouter(prefix="/missions", tags=["missions"], responses=ERRORS)
+
+
+@router.get("", summary="All missions", operation_id="get_missions")
+async def get_missions(missions: AllMissions) -> MissionsOut:
+    """Return every mission, oldest first."""
+    return MissionsOut(missions=[_out(mission) for mission in missions.all()])
+
+
+@router.post("", status_code=201, summary="Open a mission", operation_id="create_mission")
+async def create_mission(body: MissionIn, missions: AllMissions) -> MissionOut:
+    """Open a mission; its id is made from the name unless it is given."""
+    return _out(await missions.open(body.name, body.mission_id))
+
+
+@router.get("/{mission_id}", summary="One mission", operation_id="get_mission")
+async def get_mission(mission: OneMission) -> MissionOut:
+    """Return a mission."""
+    return _out(mission)
+
+
+@router.post("/{mission_id}/stop", summary="STOP robots", operation_id="stop_robots")
+async def stop_robots(body: StopIn, mission: OneMission) -> StopOut:
+    """Put STOP into every reply to these robots from now on, whether their agents live or not."""
+    return StopOut(stopped=await mission.stop(body.robots, True, body.by))
+
+
+@router.post("/{mission_id}/resume", summary="Let robots go on", operation_id="resume_robots")
+async def resume_robots(body: StopIn, mission: OneMission) -> StopOut:
+    """Take STOP back."""
+    return StopOut(stopped=await mission.stop(body.robots, False, body.by))
+
+
+@router.get("/{mission_id}/events", summary="What happened", operation_id="get_events")
+async def get_events(
+    mission: OneMission,
+    after: Annotated[int, Query(ge=0, description="Only events after this event_id.")] = 0,
+    limit: Annotated[int, Query(ge=1, le=1000, description="At most so many.")] = 200,
+) -> EventsOut:
+    """Return events, oldest first; ask again after the last event_id for more."""
+    events = await mission.events_after(after, limit)
+    return EventsOut(events=[EventOut(**event_value(event)) for event in events])
+
+
+def _out(mission: Mission) -> MissionOut:
+    record = mission.record
+    return MissionOut(
+        mission_id=record.mission_id,
+        name=record.name,
+        state=record.state,
+        created_unix_s=record.created_unix_s,
+        robots=len(mission.robots),
+    )

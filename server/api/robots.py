@@ -1,0 +1,92 @@
+"""Robots: how they join, and what they send."""
+
+from __future__ import annotations
+
+import time
+
+from fastapi import APIRouter, Response
+
+from db.records import RobotRecord, StartPoseRecord
+from robots import codec
+from robots.agent import RobotAgent
+from robots.config import AgentConfig, ConfigError, override
+from server.api.common import ERRORS, OneMission
+from server.errors import ApiError
+from server.robot import Robot, robot_value
+from server.schemas.convert import observation_from_wire
+from server.schemas.missions import RobotIn, RobotOut, RobotsOut, SilenceWire, StartPoseWire
+from server.schemas.observations import BatchIn, BatchOut
+
+router = APIRouter(prefix="/missions/{mission_id}/robots", tags=["robots"], responses=ERRORS)
+
+
+@router.get("", summary="The robots of a mission", operation_id="get_robots")
+async def get_robots(mission: OneMission) -> RobotsOut:
+    """Return every robot in the order in which they registered."""
+    return RobotsOut(robots=[_out(robot) for robot in mission.robots.values()])
+
+
+@router.post("", status_code=201, summary="Join a mission", operation_id="register_robot")
+async def register_robot(body: RobotIn, mission: OneMission, response: Response) -> RobotOut:
+    """Register a robot. The same words again are a re-join (200) and tell at which seq to go on."""
+    start = body.start_pose
+    record = RobotRecord(
+        mission_id=mission.mission_id,
+        robot_id=body.robot_id,
+        agent=body.agent,
+        silence_after_s=body.silence.after_s,
+        silence_policy=body.silence.policy,
+        start_pose=None if start is None else StartPoseRecord(**start.model_dump()),
+        config=codec.encode(_config(body)),
+        stopped=False,
+        registered_unix_s=time.time(),
+    )
+    robot, is_new = await mission.register(record)
+    response.status_code = 201 if is_new else 200
+    return _out(robot)
+
+
+@router.get("/{robot_id}", summary="One robot", operation_id="get_robot")
+async def get_robot(robot_id: str, mission: OneMission) -> RobotOut:
+    """Return a robot with its latest state."""
+    return _out(mission.robot(robot_id))
+
+
+@router.post("/{robot_id}/observations", summary="Send observations", operation_id="post_observations")
+async def post_observations(robot_id: str, body: BatchIn, mission: OneMission) -> BatchOut:
+    """Take in a batch, ordered by seq, and answer with the next order.
+
+    What was accepted is saved before the agent sees it. Known seqs are counted as duplicates and change
+    nothing;
+    a gap is refused with the seq that is expected.
+    """
+    batch = [observation_from_wire(observation) for observation in body.observations]
+    return BatchOut.model_validate(await mission.ingest(robot_id, batch, body.onboard or []))
+
+
+def _config(body: RobotIn) -> AgentConfig:
+    try:
+        config = override(AgentConfig(), body.config)
+        RobotAgent(body.robot_id, config)  # a setting may name something that does not exist
+    except ConfigError as error:
+        field = str(error).split(" ", 1)[0].rstrip(":")
+        raise ApiError(422, "invalid", f"{error}.", field) from error
+    return config
+
+
+def _out(robot: Robot) -> RobotOut:
+    record, start = robot.record, robot.record.start_pose
+    return RobotOut(
+        robot_id=record.robot_id,
+        agent=record.agent,
+        silence=SilenceWire(after_s=record.silence_after_s, policy=record.silence_policy),
+        start_pose=None
+        if start is None
+        else StartPoseWire(
+            x_m=start.x_m, y_m=start.y_m, yaw_rad=start.yaw_rad, sd_m=start.sd_m, sd_rad=start.sd_rad
+        ),
+        next_seq=robot.next_seq,
+        stopped=robot.stopped,
+        link=robot.link,
+        state=robot_value(robot),
+    )

@@ -1,0 +1,68 @@
+"""Tags: where they are, and what their memory says."""
+
+from __future__ import annotations
+
+from fastapi import APIRouter, Request, Response
+
+from robots.tags.memory import TagMemoryError
+from server.api.common import ERRORS, OneMission
+from server.errors import ApiError, unknown
+from server.schemas.findings import TagOut, TagsOut
+
+router = APIRouter(prefix="/missions/{mission_id}/tags", tags=["tags"], responses=ERRORS)
+_BYTES = "application/octet-stream"
+_MEMORY = {200: {"content": {_BYTES: {"schema": {"type": "string", "format": "binary"}}}}}
+
+
+@router.get("", summary="All tags", operation_id="get_tags")
+async def get_tags(mission: OneMission) -> TagsOut:
+    """Return the tags in the world frame, and the pairs driven one after the other."""
+    links = (mission.board.get("links") or {}).get("pairs", [])
+    tags = [TagOut(**value) for value in mission.board.of_kind("tag")]
+    return TagsOut(tags=tags, links=[(first, second) for first, second in links])
+
+
+@router.get("/{tag_id}", summary="One tag", operation_id="get_tag")
+async def get_tag(tag_id: str, mission: OneMission) -> TagOut:
+    """Return a tag in the world frame."""
+    value = mission.board.get(f"tag/{tag_id}")
+    if value is None:
+        raise unknown("tag", tag_id)
+    return TagOut(**value)
+
+
+@router.get(
+    "/{tag_id}/memory",
+    summary="What a tag's memory says",
+    operation_id="get_memory",
+    response_class=Response,
+    responses=_MEMORY,  # type: ignore[arg-type]
+)
+async def get_memory(tag_id: str, mission: OneMission) -> Response:
+    """Return the memory's bytes as far as the server knows them."""
+    memory = await mission.memory_of(tag_id)
+    if memory is None:
+        raise unknown("tag", tag_id)
+    return Response(memory, media_type=_BYTES)
+
+
+@router.post(
+    "/{tag_id}/memory",
+    summary="Merge a tag's memory",
+    operation_id="merge_memory",
+    response_class=Response,
+    responses=_MEMORY,  # type: ignore[arg-type]
+    openapi_extra={
+        "requestBody": {
+            "required": True,
+            "content": {_BYTES: {"schema": {"type": "string", "format": "binary"}}},
+        }
+    },
+)
+async def merge_memory(tag_id: str, request: Request, mission: OneMission) -> Response:
+    """Merge the bytes that were read from a tag with what is known of it, and return the result."""
+    try:
+        merged = await mission.merge_memory(tag_id, await request.body(), "rest")
+    except TagMemoryError as error:
+        raise ApiError(422, "invalid_memory", f"The body is no tag memory: {error}.") from error
+    return Response(merged, media_type=_BYTES)

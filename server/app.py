@@ -1,0 +1,62 @@
+"""The application: settings in, everything made here and handed on; nothing is created at import."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+
+from fastapi import APIRouter, FastAPI
+
+from db.store import Store
+from server import VERSION
+from server.agents.process import ForkServer
+from server.api import annotations, health, maps, missions, robots, stream, tags, victims
+from server.errors import add_error_handlers
+from server.guard import Guard
+from server.missions import Missions
+from server.settings import Settings
+from web.mount import mount_web
+from web.viser.scenes import Scenes
+
+
+def create_app(settings: Settings) -> FastAPI:
+    """Return the application. The database is opened when it starts, and missions are brought back.
+
+    Raises (at start): DatabaseError where the database cannot be used.
+    """
+    scenes = Scenes()
+
+    @asynccontextmanager
+    async def lifespan(app: FastAPI) -> AsyncIterator[None]:
+        store = await Store.open(settings.database_target)
+        forks = ForkServer()
+        app.state.missions = Missions(store, forks, settings, scenes)
+        app.state.started_s = time.monotonic()
+        try:
+            await forks.start()
+            await app.state.missions.restore()
+            yield
+        finally:
+            await app.state.missions.close()
+            await forks.close()
+            await scenes.close()
+            await store.close()
+
+    app = FastAPI(
+        title="Waymark",
+        version=VERSION,
+        summary="Mission control for search and rescue where GPS and radio fail.",
+        openapi_url="/api/v1/openapi.json",
+        docs_url=None,  # their scripts would come from another server, and in the field there is none
+        redoc_url=None,
+        lifespan=lifespan,
+    )
+    add_error_handlers(app)
+    app.add_middleware(Guard, max_body_bytes=settings.max_body_bytes)
+    api = APIRouter(prefix="/api/v1")
+    for module in (health, missions, robots, tags, victims, annotations, maps, stream):
+        api.include_router(module.router)
+    app.include_router(api)
+    mount_web(app, scenes)
+    return app

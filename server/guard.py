@@ -1,0 +1,58 @@
+"""What is decided about a request before anything reads it: how large it may be, and where it may come
+from.
+"""
+
+from __future__ import annotations
+
+from urllib.parse import urlsplit
+
+from starlette.datastructures import Headers
+from starlette.exceptions import HTTPException
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from server.errors import error_response
+
+_SAFE = {"GET", "HEAD", "OPTIONS"}
+
+
+def is_same_origin(headers: Headers) -> bool:
+    """Say whether a browser's page of our own made the request; what is no browser sends no Origin."""
+    origin = headers.get("origin")
+    return origin is None or urlsplit(origin).netloc == headers.get("host")
+
+
+class Guard:
+    """ASGI middleware: refuses bodies over a limit, announced or not, and changes asked for by foreign
+    pages.
+    """
+
+    def __init__(self, app: ASGIApp, max_body_bytes: int) -> None:
+        self._app = app
+        self._limit = max_body_bytes
+        self._too_large = f"The body is larger than {max_body_bytes} bytes; send it in several requests."
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        if scope["type"] != "http":
+            await self._app(scope, receive, send)
+            return
+        headers = Headers(scope=scope)
+        if scope["method"] not in _SAFE and not is_same_origin(headers):
+            message = "Only this server's own pages may change a mission; open the console from this server."
+            await error_response(403, "foreign_origin", message)(scope, receive, send)
+            return
+        announced = headers.get("content-length", "0")
+        if announced.isdigit() and int(announced) > self._limit:
+            response = error_response(413, "too_large", self._too_large, headers={"Connection": "close"})
+            await response(scope, receive, send)
+            return
+        count = 0
+
+        async def limited() -> Message:
+            nonlocal count
+            message = await receive()
+            count += len(message.get("body", b""))
+            if count > self._limit:
+                raise HTTPException(413, self._too_large)
+            return message
+
+        await self._app(scope, limited, send)

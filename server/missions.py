@@ -1,0 +1,102 @@
+"""All missions of this server."""
+
+from __future__ import annotations
+
+import asyncio
+import re
+import time
+from typing import Protocol
+
+from db.records import MissionRecord
+from db.store import Store
+from robots.team import TeamGrid
+from server.agents.process import ForkServer
+from server.board import Board
+from server.errors import ApiError, unknown
+from server.mission import Mission
+from server.settings import Settings
+
+
+class Scenes(Protocol):
+    """Something that shows missions in 3D."""
+
+    async def start(self, mission_id: str, board: Board) -> None:
+        """Show a mission from now on."""
+
+    def update_map(
+        self, mission_id: str, cells: object, origin_m: tuple[float, float], resolution_m: float
+    ) -> None:
+        """Take over a new fused map."""
+
+
+class Missions:
+    """Opens missions, finds them, and brings them back after a restart."""
+
+    def __init__(self, store: Store, forks: ForkServer, settings: Settings, scenes: Scenes) -> None:
+        self._store = store
+        self._forks = forks
+        self._settings = settings
+        self._scenes = scenes
+        self._missions: dict[str, Mission] = {}
+        self._opening = asyncio.Lock()
+
+    def __len__(self) -> int:
+        return len(self._missions)
+
+    def all(self) -> list[Mission]:
+        """Return the missions, oldest first."""
+        return list(self._missions.values())
+
+    def get(self, mission_id: str) -> Mission:
+        """Return a mission.
+
+        Raises:
+            ApiError: there is none of that id.
+        """
+        if mission_id not in self._missions:
+            raise unknown("mission", mission_id)
+        return self._missions[mission_id]
+
+    async def restore(self) -> None:
+        """Bring back every mission of the database."""
+        for record in await self._store.missions.all_missions():
+            mission = await self._begin(record)
+            await mission.restore()
+
+    async def open(self, name: str, mission_id: str | None) -> Mission:
+        """Open a mission.
+
+        Raises:
+            ApiError: there is a mission of that id already.
+        """
+        async with self._opening:
+            if mission_id is not None and mission_id in self._missions:
+                raise ApiError(
+                    409,
+                    "mission_exists",
+                    f"There is a mission {mission_id!r} already; join it, or choose another mission_id.",
+                    "mission_id",
+                )
+            record = MissionRecord(mission_id or self._id_for(name), name, "running", time.time())
+            await self._store.missions.create_mission(record)
+            mission = await self._begin(record)
+        await mission.tell("mission_opened", f"{name} was opened.")
+        return mission
+
+    async def close(self) -> None:
+        """End every mission's processes; the database keeps them."""
+        await asyncio.gather(*(mission.close() for mission in self._missions.values()))
+
+    async def _begin(self, record: MissionRecord) -> Mission:
+        mission = Mission(record, self._store, self._forks, self._settings, self._on_grid)
+        self._missions[record.mission_id] = mission
+        await self._scenes.start(record.mission_id, mission.board)
+        return mission
+
+    def _on_grid(self, mission_id: str, grid: TeamGrid) -> None:
+        self._scenes.update_map(mission_id, grid.cells, grid.origin_m, grid.resolution_m)
+
+    def _id_for(self, name: str) -> str:
+        stem = re.sub(r"[^a-z0-9]+", "-", name.lower()).strip("-")[:40] or "mission"
+        candidates = [stem, *(f"{stem}-{k}" for k in range(2, len(self._missions) + 3))]
+        return next(candidate for candidate in candidates if candidate not in self._missions)

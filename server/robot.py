@@ -1,0 +1,186 @@
+"""One robot of a mission as the server keeps it: where its log stands, its agent's latest word, whether it
+is heard.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections import OrderedDict
+from collections.abc import AsyncIterator
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+
+from db.records import RobotRecord, SnapshotRecord
+from db.store import Store
+from robots import codec
+from robots.se2 import Array, Pose2
+from robots.types import AgentUpdate, Command, GraphReport, Observation
+from server.agents.host import AgentHost
+
+Link = Literal["live", "late", "lost"]
+_REMEMBERED = 2500  # answers kept for batches that are sent again: more than the largest batch
+_IN_SNAPSHOT = 64
+
+
+@dataclass(frozen=True, slots=True)
+class Told:
+    """What a robot was told after an observation: its pose in the map frame and the command."""
+
+    pose: Pose2
+    command: Command
+
+
+class RobotLog:
+    """The log of one robot, as its agent's host reads it."""
+
+    def __init__(self, store: Store, mission_id: str, robot_id: str) -> None:
+        self._store = store
+        self._of = (mission_id, robot_id)
+
+    async def snapshot(self) -> tuple[int, bytes] | None:
+        """Return the seq and bytes of the latest snapshot."""
+        record = await self._store.log.latest_snapshot(*self._of)
+        return None if record is None else (record.seq, record.body)
+
+    async def observations(self, after: int, until: int) -> AsyncIterator[tuple[int, bytes]]:
+        """Yield (seq, encoded observation) of the log in order; an empty one where the agent cannot take
+        it.
+        """
+        async for record in self._store.log.observations_after(*self._of, after, until):
+            empty = record.fault is not None
+            yield record.seq, codec.encode(Observation(record.seq, record.stamp_s)) if empty else record.body
+
+    async def record_fault(self, seq: int, reason: str) -> bytes:
+        """Mark an observation that the agent cannot survive; return an empty one to take its place."""
+        await self._store.log.record_fault(*self._of, seq, reason)
+        async for record in self._store.log.observations_after(*self._of, seq - 1, seq):
+            return codec.encode(Observation(seq, record.stamp_s))
+        raise LookupError(f"observation {seq} is not in the log")
+
+
+@dataclass(slots=True)
+class Robot:
+    """A registered robot. ``anchors`` (n, 3): world poses of its pose vertices in the latest team map."""
+
+    record: RobotRecord
+    host: AgentHost
+    next_seq: int = 0
+    last_stamp_s: float | None = None
+    stopped: bool = False
+    link: Link = "lost"
+    heard_unix_s: float | None = None
+    heard_at_s: float = field(default_factory=time.monotonic)
+    battery: float | None = None
+    update: AgentUpdate | None = None
+    speed_mps: float = 0.0
+    graph: GraphReport | None = None
+    anchors: Array | None = None
+    located: bool = False
+    waiting: int = 0  # observations that wait for the agent
+    told: OrderedDict[int, Told] = field(default_factory=OrderedDict)
+    arriving: asyncio.Lock = field(default_factory=asyncio.Lock)
+    thinking: asyncio.Lock = field(default_factory=asyncio.Lock)
+    snapshot_seq: int = -1
+    snapshot_at_s: float = field(default_factory=time.monotonic)
+    snapshot_task: asyncio.Task[None] | None = None
+
+    @property
+    def robot_id(self) -> str:
+        """Its name in the mission."""
+        return self.record.robot_id
+
+    def take(self, update: AgentUpdate) -> None:
+        """Make an update the latest one."""
+        if self.update is not None and update.stamp_s > self.update.stamp_s:
+            driven = update.distance_m - self.update.distance_m
+            self.speed_mps = max(0.0, driven / (update.stamp_s - self.update.stamp_s))
+        self.update = update
+        if update.graph is not None:
+            self.graph = update.graph
+        self.told[update.seq] = Told(update.pose, update.command)
+        while len(self.told) > _REMEMBERED:
+            self.told.popitem(last=False)
+
+    def world_pose(self) -> Pose2 | None:
+        """Return the pose of the base in the world, by the latest team map; None before anything was
+        observed.
+        """
+        update = self.update
+        if update is None:
+            return None
+        if self.anchors is not None and update.anchor < len(self.anchors):
+            return Pose2.from_array(self.anchors[update.anchor]) @ update.anchor_from_base
+        if self.graph is None:
+            return update.pose
+        if self.anchors is not None and len(self.anchors):  # the newest anchor is not in the team map yet
+            known = len(self.anchors) - 1
+            map_from_known = Pose2.from_array(self.graph.poses[known])
+            return Pose2.from_array(self.anchors[known]) @ map_from_known.between(update.pose)
+        start = self.record.start_pose
+        if start is None:
+            return update.pose
+        map_from_start = Pose2.from_array(self.graph.poses[0])
+        return Pose2(start.x_m, start.y_m, start.yaw_rad) @ map_from_start.between(update.pose)
+
+    def snapshot_record(self, seq: int, body: bytes) -> SnapshotRecord:
+        """Return a snapshot together with what the robot was told last, for batches sent again after a
+        restart.
+        """
+        recent = [(s, told) for s, told in self.told.items() if s <= seq][-_IN_SNAPSHOT:]
+        texts = tuple(
+            (s, codec.encode(told.pose).decode() + "\n" + codec.encode(told.command).decode())
+            for s, told in recent
+        )
+        return SnapshotRecord(seq, body, texts)
+
+    def recall(self, snapshot: SnapshotRecord) -> None:
+        """Take over what the robot was told before a restart."""
+        for seq, text in snapshot.updates:
+            pose, command = text.split("\n")
+            self.told[seq] = Told(codec.decode(pose.encode(), Pose2), codec.decode(command.encode(), Command))
+
+
+def robot_value(robot: Robot) -> dict[str, object] | None:
+    """Return the robot's value on the board, in the world frame; None before anything was observed."""
+    update, world_from_base = robot.update, robot.world_pose()
+    if update is None or world_from_base is None:
+        return None
+    world_from_map = world_from_base @ update.pose.inverse()
+    c, s = np.cos(world_from_map.theta), np.sin(world_from_map.theta)
+    turned = np.array([[c, -s], [s, c]])
+    covariance = turned @ update.covariance[:2, :2] @ turned.T
+    goal = None if update.goal_m is None else _rounded(world_from_map.transform_point(*update.goal_m))
+    path = world_from_map.transform(update.path_m.astype(np.float64)) if len(update.path_m) else []
+    return {
+        "robot_id": robot.robot_id,
+        "x_m": round(world_from_base.x, 4),
+        "y_m": round(world_from_base.y, 4),
+        "yaw_rad": round(world_from_base.theta, 4),
+        "covariance": [
+            float(value)
+            for value in (covariance[0, 0], covariance[0, 1], covariance[1, 1], update.covariance[2, 2])
+        ],
+        "stamp_s": update.stamp_s,
+        "heard_unix_s": robot.heard_unix_s,
+        "activity": update.activity,
+        "reason": update.reason,
+        "battery": robot.battery,
+        "tags_left": update.tags_left,
+        "agent": robot.record.agent,
+        "stopped": robot.stopped,
+        "link": robot.link,
+        "slipping": update.slipping,
+        "located": robot.located,
+        "explored_m2": round(update.explored_m2, 2),
+        "distance_m": round(update.distance_m, 2),
+        "goal_m": goal,
+        "path_m": [_rounded(point) for point in path],
+        "speed_mps": round(robot.speed_mps, 3),
+    }
+
+
+def _rounded(point: object) -> list[float]:
+    return [round(float(value), 3) for value in point]  # type: ignore[attr-defined]

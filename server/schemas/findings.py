@@ -1,0 +1,160 @@
+"""Tags, victims, annotations, the map and the graph on the wire."""
+
+from __future__ import annotations
+
+from typing import Self
+
+from pydantic import ConfigDict, Field, model_validator
+
+from db.records import AnnotationKind, VictimStatus
+from server.schemas.common import Covariance, Metres, Name, Person, Wire
+
+
+class TagOut(Wire):
+    """A tag where the team map places it."""
+
+    tag_id: str
+    x_m: float
+    y_m: float
+    covariance: Covariance
+    sightings: int
+    robots: list[str]
+
+
+class TagsOut(Wire):
+    """Tags, and the pairs of tags between which a robot has driven."""
+
+    tags: list[TagOut]
+    links: list[tuple[str, str]]
+
+
+class VictimOut(Wire):
+    """A victim: measured by robots, judged by people."""
+
+    victim_id: str
+    x_m: float
+    y_m: float
+    covariance: Covariance
+    confidence: float
+    status: VictimStatus
+    sightings: int
+    robots: list[str]
+    note: str
+    by: str
+    first_seen_s: float
+    last_seen_s: float
+
+
+class VictimsOut(Wire):
+    """All victims."""
+
+    victims: list[VictimOut]
+
+
+class VictimIn(Wire):
+    """What a person says about a victim."""
+
+    model_config = ConfigDict(
+        json_schema_extra={"examples": [{"status": "confirmed", "note": "answers when called", "by": "Ada"}]}
+    )
+
+    status: VictimStatus
+    note: str | None = Field(None, max_length=2000, description="Replaces the earlier note; null keeps it.")
+    by: Person
+
+
+class AnnotationIn(Wire):
+    """Something to write on the map, at a place in the world frame or at a tag."""
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [
+                {"kind": "hazard", "text": "smell of gas", "x_m": 3.0, "y_m": -1.5, "by": "Ada"},
+                {"kind": "note", "text": "stairs go down here", "tag_id": "A4", "by": "Ben"},
+            ]
+        }
+    )
+
+    kind: AnnotationKind
+    text: str = Field(max_length=2000)
+    x_m: Metres | None = None
+    y_m: Metres | None = None
+    tag_id: Name | None = None
+    by: Person
+
+    @model_validator(mode="after")
+    def _has_one_place(self) -> Self:
+        at_point = self.x_m is not None and self.y_m is not None
+        partly = (self.x_m is None) != (self.y_m is None)
+        if partly or at_point == (self.tag_id is not None):
+            raise ValueError("give either x_m and y_m, or tag_id")
+        return self
+
+
+class AnnotationOut(Wire):
+    """An annotation."""
+
+    annotation_id: str
+    kind: AnnotationKind
+    text: str
+    x_m: float | None
+    y_m: float | None
+    tag_id: str | None
+    by: str
+    created_unix_s: float
+    changed_unix_s: float
+
+
+class AnnotationsOut(Wire):
+    """All annotations, oldest first."""
+
+    annotations: list[AnnotationOut]
+
+
+class MapOut(Wire):
+    """The map that is served as a picture: row 0 is the top, farthest along y."""
+
+    version: int
+    width: int = Field(description="In cells.")
+    height: int = Field(description="In cells.")
+    resolution_m: float
+    origin_m: tuple[float, float] = Field(description="World coordinates of the lower left corner.")
+    png: str = Field(description="Address of the picture: 0 unknown (transparent), 1 free, 2 occupied.")
+
+
+class GraphVertexOut(Wire):
+    """A pose or a tag in a robot's map frame."""
+
+    kind: str = Field(description="`pose` or `tag`.")
+    number: int
+    tag_id: str | None
+    x_m: float
+    y_m: float
+    yaw_rad: float | None
+    stamp_s: float | None
+
+
+class GraphEdgeOut(Wire):
+    """A displacement from pose to pose, or a sighting of a tag from a pose, in the first pose's frame."""
+
+    kind: str = Field(description="`displacement` or `sighting`.")
+    from_number: int
+    to_number: int
+    x_m: float
+    y_m: float
+    yaw_rad: float | None
+    covariance: list[list[float]]
+
+
+class RobotGraphOut(Wire):
+    """The tag graph of a robot."""
+
+    robot_id: str
+    vertices: list[GraphVertexOut]
+    edges: list[GraphEdgeOut]
+
+
+class GraphsOut(Wire):
+    """The tag graphs of all robots."""
+
+    graphs: list[RobotGraphOut]

@@ -1,0 +1,141 @@
+"""Missions, robots, STOP and events on the wire."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+from pydantic import ConfigDict, Field
+
+from db.records import AgentPlace, Severity, SilencePolicy
+from server.schemas.common import Metres, Name, Person, Radians, Wire
+
+
+class MissionIn(Wire):
+    """A mission to open."""
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [{"name": "Collapsed school", "mission_id": "school-1"}, {"name": "Mine"}]
+        }
+    )
+
+    name: str = Field(min_length=1, max_length=200, description="What people call it.")
+    mission_id: Name | None = Field(None, description="Its id in addresses; made from the name by default.")
+
+
+class MissionOut(Wire):
+    """A mission."""
+
+    mission_id: str
+    name: str
+    state: str = Field(description="Always `running` in this version.")
+    created_unix_s: float
+    robots: int = Field(description="How many robots are registered.")
+
+
+class MissionsOut(Wire):
+    """All missions, oldest first."""
+
+    missions: list[MissionOut]
+
+
+class SilenceWire(Wire):
+    """What the robot does when it hears nothing."""
+
+    after_s: float = Field(2.0, gt=0.0, le=3600.0, description="Silence after which it does so.")
+    policy: SilencePolicy = Field("hold", description="Stand still, go on exploring, or return to the start.")
+
+
+class StartPoseWire(Wire):
+    """A surveyed start in the world frame, and how well it is known."""
+
+    x_m: Metres
+    y_m: Metres
+    yaw_rad: Radians
+    sd_m: float = Field(gt=0.0, le=1000.0, description="Standard deviation of the position along each axis.")
+    sd_rad: float = Field(gt=0.0, le=10.0, description="Standard deviation of the heading.")
+
+
+class RobotIn(Wire):
+    """A robot that joins; the same words again are a re-join."""
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [
+                {"robot_id": "r1"},
+                {
+                    "robot_id": "r2",
+                    "agent": "onboard",
+                    "silence": {"after_s": 5.0, "policy": "go_on"},
+                    "start_pose": {"x_m": 1.0, "y_m": 2.5, "yaw_rad": 0.0, "sd_m": 0.1, "sd_rad": 0.02},
+                    "config": {"body": {"radius_m": 0.3}},
+                },
+            ]
+        }
+    )
+
+    robot_id: Name = Field(description="Its name in this mission.")
+    agent: AgentPlace = Field("server", description="Where the agent decides: on the server or on board.")
+    silence: SilenceWire = Field(default_factory=SilenceWire)
+    start_pose: StartPoseWire | None = Field(None, description="Where it starts, if that was surveyed.")
+    config: dict[str, Any] = Field(default_factory=dict, description="Settings of its agent that differ.")
+
+
+class RobotOut(Wire):
+    """A robot: how it registered, where to go on, and its latest state on the board."""
+
+    robot_id: str
+    agent: AgentPlace
+    silence: SilenceWire
+    start_pose: StartPoseWire | None
+    next_seq: int = Field(description="The seq of the observation that is expected next.")
+    stopped: bool
+    link: Literal["live", "late", "lost"] = Field(description="Heard lately, not lately, not for long.")
+    state: dict[str, Any] | None = Field(description="As `robot/ID` on the stream; null before it was heard.")
+
+
+class RobotsOut(Wire):
+    """The robots of a mission in the order in which they registered."""
+
+    robots: list[RobotOut]
+
+
+class StopIn(Wire):
+    """Whom to stop, or to let go on."""
+
+    model_config = ConfigDict(json_schema_extra={"examples": [{"robots": None, "by": "Ada"}]})
+
+    robots: list[Name] | None = Field(None, max_length=1000, description="Robot ids; null for all.")
+    by: Person
+
+
+class StopOut(Wire):
+    """Who is stopped now."""
+
+    stopped: list[str]
+
+
+class EventOut(Wire):
+    """Something that happened."""
+
+    event_id: int
+    unix_s: float
+    kind: str
+    text: str
+    robot_id: str | None
+    severity: Severity
+
+
+class EventsOut(Wire):
+    """Events, oldest first."""
+
+    events: list[EventOut]
+
+
+class HealthOut(Wire):
+    """That the server is there."""
+
+    status: Literal["ok"]
+    version: str
+    missions: int
+    uptime_s: float

@@ -1,0 +1,36 @@
+"""Settings of the server, from the environment: every name begins with WAYMARK_."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from pydantic import Field
+from pydantic_settings import BaseSettings, SettingsConfigDict
+
+
+class Settings(BaseSettings):
+    """How the server runs. The defaults are for one machine and nobody else on its network."""
+
+    model_config = SettingsConfigDict(env_prefix="WAYMARK_", frozen=True, extra="forbid")
+
+    host: str = Field("127.0.0.1", description="Address to listen on; 0.0.0.0 for every network.")
+    port: int = Field(8000, ge=0, le=65535, description="Port to listen on; 0 takes a free one.")
+    data_dir: Path = Field(Path("waymark-data"), description="Folder of the database.")
+    database: str | None = Field(
+        None, description="Database file or URL; by default a file in the data folder."
+    )
+    max_body_bytes: int = Field(4 * 2**20, ge=1024, description="Largest request body.")
+    max_waiting: int = Field(4000, ge=1, description="Observations of one robot that may wait for its agent.")
+    snapshot_every: int = Field(300, ge=1, description="Observations between snapshots of an agent.")
+    snapshot_every_s: float = Field(
+        30.0, gt=0, description="Seconds between snapshots of an agent that works."
+    )
+    late_after_s: float = Field(3.0, gt=0, description="Silence after which a robot counts as late.")
+    lost_after_s: float = Field(10.0, gt=0, description="Silence after which a robot counts as lost.")
+    stop_reply_s: float = Field(0.5, gt=0, description="Longest wait for the agent of a stopped robot.")
+    log_level: str = Field("WARNING", description="Least level that is logged: DEBUG, INFO, WARNING, ERROR.")
+
+    @property
+    def database_target(self) -> str:
+        """The database's file or URL."""
+        return self.database or str(self.data_dir / "waymark.db")

@@ -1,0 +1,105 @@
+"""The team map on the board and in the store: what a ``TeamUpdate`` means for those who watch."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+from db.records import AnnotationRecord, EventRecord, PointRecord, TagRecord, VictimRecord
+from robots.se2 import Array
+from robots.team import TeamTag, TeamUpdate, TeamVictim
+from server.map_image import MapImage
+
+
+def tag_record(tag: TeamTag) -> TagRecord:
+    """Return a tag as it is stored."""
+    return TagRecord(tag.tag_id, _place(tag.x_m, tag.y_m, tag.covariance), tag.sightings, tag.robots)
+
+
+def victim_record(victim: TeamVictim, known: VictimRecord | None) -> VictimRecord:
+    """Return a victim as it is stored; what people said about it stays."""
+    said = {} if known is None else {"status": known.status, "note": known.note, "by": known.by}
+    return VictimRecord(
+        victim_id=victim.victim_id,
+        place=_place(victim.x_m, victim.y_m, victim.covariance),
+        confidence=victim.confidence,
+        sightings=victim.sightings,
+        robots=victim.robots,
+        first_seen_s=victim.first_seen_s,
+        last_seen_s=victim.last_seen_s,
+        **said,  # type: ignore[arg-type]
+    )
+
+
+def tag_value(tag: TagRecord) -> dict[str, Any]:
+    """Return ``tag/ID`` of the board."""
+    return {
+        "tag_id": tag.tag_id,
+        **_place_value(tag.place),
+        "sightings": tag.sightings,
+        "robots": list(tag.robots),
+    }
+
+
+def victim_value(victim: VictimRecord) -> dict[str, Any]:
+    """Return ``victim/ID`` of the board."""
+    return {
+        "victim_id": victim.victim_id,
+        **_place_value(victim.place),
+        "confidence": victim.confidence,
+        "status": victim.status,
+        "sightings": victim.sightings,
+        "robots": list(victim.robots),
+        "note": victim.note,
+        "by": victim.by,
+        "first_seen_s": victim.first_seen_s,
+        "last_seen_s": victim.last_seen_s,
+    }
+
+
+def annotation_value(annotation: AnnotationRecord) -> dict[str, Any]:
+    """Return ``annotation/ID`` of the board."""
+    return {name: getattr(annotation, name) for name in AnnotationRecord.__slots__}
+
+
+def event_value(event: EventRecord) -> dict[str, Any]:
+    """Return ``event/ID`` of the board."""
+    return {name: getattr(event, name) for name in EventRecord.__slots__}
+
+
+def map_value(mission_id: str, image: MapImage) -> dict[str, Any]:
+    """Return ``map`` of the board."""
+    return {
+        "version": image.version,
+        "width": image.width,
+        "height": image.height,
+        "resolution_m": image.resolution_m,
+        "origin_m": list(image.origin_m),
+        "png": f"/api/v1/missions/{mission_id}/map.png?version={image.version}",
+    }
+
+
+def team_values(update: TeamUpdate) -> dict[str, dict[str, Any] | None]:
+    """Return links and trails of a team map for the board."""
+    values: dict[str, dict[str, Any] | None] = {"links": {"pairs": [list(pair) for pair in update.links]}}
+    for robot in update.robots:
+        points = [[round(float(x), 2), round(float(y), 2)] for x, y in robot.trail_m] if robot.located else []
+        values[f"trail/{robot.robot_id}"] = {"robot_id": robot.robot_id, "points_m": points}
+    return values
+
+
+def vanished(before: Iterable[str], now: Iterable[str], kind: str) -> dict[str, None]:
+    """Return the board's keys of things that are no longer there."""
+    return {f"{kind}/{name}": None for name in sorted(set(before) - set(now))}
+
+
+def _place(x_m: float, y_m: float, covariance: Array) -> PointRecord:
+    return PointRecord(x_m, y_m, float(covariance[0, 0]), float(covariance[0, 1]), float(covariance[1, 1]))
+
+
+def _place_value(place: PointRecord) -> dict[str, Any]:
+    return {
+        "x_m": round(place.x_m, 4),
+        "y_m": round(place.y_m, 4),
+        "covariance": [place.var_x, place.var_xy, place.var_y],
+    }

@@ -1,0 +1,452 @@
+"""The tag graph against scipy's general least squares, dense algebra and graphs whose answer is known."""
+
+from dataclasses import replace
+from math import pi
+
+import numpy as np
+import pytest
+from scipy.optimize import least_squares
+
+from robots.estimation.graph import GraphError, GraphProblem, NormalEquations, solve
+from robots.estimation.graph_factors import (
+    edge_errors,
+    edge_jacobian,
+    heading_errors,
+    pose_prior_errors,
+    sighting_errors,
+    sighting_jacobian,
+)
+from robots.se2 import Pose2, wrap_array
+
+NO_KERNEL = 1e9
+
+
+def spread(rng: np.random.Generator, count: int, size: int, sd: float) -> np.ndarray:
+    """Random covariances, (count, size, size), with correlations."""
+    roots = sd * (np.eye(size) + 0.3 * rng.standard_normal((count, size, size)))
+    return roots @ roots.transpose(0, 2, 1) + 1e-6 * np.eye(size)
+
+
+def truth_of(rng: np.random.Generator, poses: int, tags: int) -> tuple[np.ndarray, np.ndarray]:
+    true_poses = np.column_stack([rng.uniform(-5, 5, (poses, 2)), rng.uniform(-pi, pi, poses)])
+    return true_poses, rng.uniform(-5, 5, (tags, 2))
+
+
+def measured(
+    rng: np.random.Generator,
+    true_poses: np.ndarray,
+    true_tags: np.ndarray,
+    noise: float = 1.0,
+    moved: float = 0.3,
+    headings: bool = True,
+) -> GraphProblem:
+    """A chain with a few loop closures, every tag seen twice.
+
+    ``noise`` scales what the measurements err, ``moved`` how far the initial values lie from the truth.
+    """
+    n, m = len(true_poses), len(true_tags)
+    loops = [(int(i), int(j)) for i, j in rng.integers(0, n, (3, 2)) if i != j]
+    pairs = np.array([(k, k + 1) for k in range(n - 1)] + loops, np.int64)
+    covariances = spread(rng, len(pairs), 3, 0.05)
+    between = np.array([
+        Pose2.from_array(true_poses[i]).between(Pose2.from_array(true_poses[j])).as_array() for i, j in pairs
+    ])  # fmt: skip
+    errors = np.array([rng.multivariate_normal(np.zeros(3), c) for c in covariances])
+    seen = np.array([(int(rng.integers(n)), k) for k in range(m) for _ in range(2)], np.int64)
+    offsets = np.array([
+        Pose2.from_array(true_poses[i]).inverse().transform(true_tags[k][None])[0] for i, k in seen
+    ])  # fmt: skip
+    seen_covariances = spread(rng, len(seen), 2, 0.06)
+    blur = np.array([rng.multivariate_normal(np.zeros(2), c) for c in seen_covariances])
+    known = np.arange(0, n, 2) if headings else np.zeros(0, np.int64)
+    start = moved * rng.standard_normal((n, 3)) * (1.0, 1.0, 0.3)
+    start[0] = 0.0
+    return GraphProblem(
+        poses=np.column_stack([(true_poses + start)[:, :2], wrap_array((true_poses + start)[:, 2])]),
+        tags=true_tags + moved * rng.standard_normal((m, 2)),
+        edge_pairs=pairs,
+        edge_poses=between + noise * errors,
+        edge_covariances=covariances,
+        sighting_pairs=seen,
+        sighting_offsets=offsets + noise * blur,
+        sighting_covariances=seen_covariances,
+        prior_index=np.zeros(1, np.int64),
+        prior_poses=true_poses[:1],
+        prior_sds=np.full((1, 3), 0.02),
+        heading_index=known,
+        heading_rad=true_poses[known, 2] + noise * 0.03 * rng.standard_normal(len(known)),
+        heading_sd_rad=np.full(len(known), 0.03),
+    )
+
+
+def whitened(problem: GraphProblem, kernel_sd: float, values: np.ndarray) -> np.ndarray:
+    """Residuals whose sum of squares is W of eq. (5), written anew with numpy alone."""
+    n = len(problem.poses)
+    poses, tags = values[: 3 * n].reshape(-1, 3), values[3 * n :].reshape(-1, 2)
+    parts = []
+    for (i, j), z, covariance in zip(
+        problem.edge_pairs, problem.edge_poses, problem.edge_covariances, strict=True
+    ):
+        c, s = np.cos(poses[i, 2]), np.sin(poses[i, 2])
+        at = np.array([[c, s], [-s, c]]) @ (poses[j, :2] - poses[i, :2]) - z[:2]
+        turn = (poses[j, 2] - poses[i, 2] - z[2] + pi) % (2 * pi) - pi
+        parts.append(np.linalg.solve(np.linalg.cholesky(covariance), np.array([*at, turn])))
+    for (i, k), z, covariance in zip(
+        problem.sighting_pairs, problem.sighting_offsets, problem.sighting_covariances, strict=True
+    ):
+        c, s = np.cos(poses[i, 2]), np.sin(poses[i, 2])
+        error = np.array([[c, s], [-s, c]]) @ (tags[k] - poses[i, :2]) - z
+        error = np.linalg.solve(np.linalg.cholesky(covariance), error)
+        size = np.sqrt(error @ error)
+        if size > kernel_sd:  # Huber: W grows linearly from there
+            error = error / size * np.sqrt(2.0 * kernel_sd * size - kernel_sd**2)
+        parts.append(error)
+    off = poses[problem.prior_index] - problem.prior_poses
+    off[:, 2] = (off[:, 2] + pi) % (2 * pi) - pi
+    parts.append((off / problem.prior_sds).ravel())
+    turned = (poses[problem.heading_index, 2] - problem.heading_rad + pi) % (2 * pi) - pi
+    parts.append(turned / problem.heading_sd_rad)
+    return np.concatenate(parts)
+
+
+def reference(problem: GraphProblem, kernel_sd: float) -> tuple[np.ndarray, np.ndarray, float]:
+    start = np.concatenate([problem.poses.ravel(), problem.tags.ravel()])
+    found = least_squares(
+        lambda x: whitened(problem, kernel_sd, x), start, xtol=1e-14, ftol=1e-14, gtol=1e-12
+    )
+    n = 3 * len(problem.poses)
+    return found.x[:n].reshape(-1, 3), found.x[n:].reshape(-1, 2), 2.0 * float(found.cost)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_edge_and_sighting_jacobians_by_finite_differences(seed):
+    rng = np.random.default_rng(seed)
+    poses = np.column_stack([rng.uniform(-3, 3, (2, 2)), rng.uniform(-pi, pi, 2)])
+    tag, h = rng.uniform(-3, 3, 2), 1e-6
+    pair, zero3, zero2 = np.array([[0, 1]]), np.zeros((1, 3)), np.zeros((1, 2))
+    measured_pose = zero3.copy()
+    measured_pose[0, 2] = poses[1, 2] - poses[0, 2]  # residual near 0: no wrap between the two differences
+
+    def edge(values: np.ndarray) -> np.ndarray:
+        return edge_errors(values.reshape(2, 3), pair, measured_pose)[0]
+
+    def sighting(values: np.ndarray) -> np.ndarray:
+        return sighting_errors(values[None, :3], values[None, 3:], np.zeros((1, 2), np.int64), zero2)[0]
+
+    for function, at, jacobian in (
+        (edge, poses.ravel(), edge_jacobian(poses[0], poses[1], False)),
+        (sighting, np.concatenate([poses[0], tag]), sighting_jacobian(poses[0], tag, False)),
+    ):
+        columns = [(function(at + h * unit) - function(at - h * unit)) / (2 * h) for unit in np.eye(len(at))]
+        np.testing.assert_allclose(jacobian, np.column_stack(columns), atol=1e-8)
+    linear = edge_jacobian(poses[0], poses[1], True)
+    full = edge_jacobian(poses[0], poses[1], False)
+    assert np.array_equal(linear[:2][:, [0, 1, 3, 4]], full[:2][:, [0, 1, 3, 4]])
+    assert not linear[:, [2, 5]].any()
+    assert not linear[2].any()
+
+
+def test_errors_of_headings_and_priors_take_the_short_way_round():
+    poses = np.array([[1.0, 2.0, 3.1], [0.0, 0.0, -3.1]])
+    index = np.array([0, 1])
+    np.testing.assert_allclose(
+        heading_errors(poses, index, np.array([-3.1, 3.1])), [6.2 - 2 * pi, 2 * pi - 6.2], atol=1e-12
+    )
+    off = pose_prior_errors(poses, index, np.array([[0.5, 2.0, -3.1], [0.0, 1.0, 3.1]]))
+    np.testing.assert_allclose(off, [[0.5, 0.0, 6.2 - 2 * pi], [0.0, -1.0, 2 * pi - 6.2]], atol=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("kernel_sd", [NO_KERNEL, 1.0])
+def test_gauss_newton_finds_the_minimum_that_scipy_finds(seed, kernel_sd):
+    rng = np.random.default_rng([10, seed])
+    problem = measured(rng, *truth_of(rng, 6, 3), headings=seed % 2 == 0)
+    solution = solve(problem, kernel_sd=kernel_sd, max_iterations=100)
+    poses, tags, chi2 = reference(problem, kernel_sd)
+    assert solution.chi2 == pytest.approx(chi2, rel=1e-6, abs=1e-9)
+    assert solution.chi2 < solution.chi2_initial
+    np.testing.assert_allclose(solution.poses[:, :2], poses[:, :2], atol=2e-4)
+    np.testing.assert_allclose(wrap_array(solution.poses[:, 2] - poses[:, 2]), 0.0, atol=2e-4)
+    np.testing.assert_allclose(solution.tags, tags, atol=2e-4)
+
+
+def test_the_kernel_keeps_one_wrong_sighting_from_bending_the_graph():
+    """A tag that was moved between two sightings."""
+    rng = np.random.default_rng(3)
+    true_poses, true_tags = truth_of(rng, 8, 3)
+    problem = measured(rng, true_poses, true_tags, noise=0.0, moved=0.0)
+    offsets = problem.sighting_offsets.copy()
+    offsets[1] += (1.5, -1.0)
+    stiff = problem.edge_covariances / 100.0  # else the edges give way and nothing contradicts the sighting
+    problem = replace(problem, sighting_offsets=offsets, edge_covariances=stiff)
+    bent = np.abs(solve(problem, kernel_sd=NO_KERNEL).poses[:, :2] - true_poses[:, :2]).max()
+    robust = np.abs(solve(problem, kernel_sd=3.0, max_iterations=100).poses[:, :2] - true_poses[:, :2]).max()
+    assert bent > 0.05
+    assert robust < bent / 3.0
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_noiseless_graph_is_exact_from_a_perturbed_start(seed):
+    rng = np.random.default_rng([20, seed])
+    true_poses, true_tags = truth_of(rng, 12, 4)
+    solution = solve(measured(rng, true_poses, true_tags, noise=0.0, moved=0.4), kernel_sd=NO_KERNEL)
+    np.testing.assert_allclose(solution.poses[:, :2], true_poses[:, :2], atol=1e-7)
+    np.testing.assert_allclose(wrap_array(solution.poses[:, 2] - true_poses[:, 2]), 0.0, atol=1e-7)
+    np.testing.assert_allclose(solution.tags, true_tags, atol=1e-7)
+    assert solution.chi2 < 1e-9
+
+
+def test_headings_near_half_a_turn_do_not_tear_the_graph():
+    """Everything looks west: neighbours differ by nearly a whole turn on paper."""
+    rng = np.random.default_rng(4)
+    true_poses, true_tags = truth_of(rng, 10, 3)
+    true_poses[:, 2] = wrap_array(pi + 0.2 * rng.standard_normal(10))
+    assert np.ptp(true_poses[:, 2]) > 6.0  # both sides of the seam are there
+    solution = solve(measured(rng, true_poses, true_tags, noise=0.0, moved=0.3), kernel_sd=NO_KERNEL)
+    np.testing.assert_allclose(wrap_array(solution.poses[:, 2] - true_poses[:, 2]), 0.0, atol=1e-7)
+    assert np.abs(solution.poses[:, 2]).max() <= pi
+    noisy = measured(rng, true_poses, true_tags, noise=1.0, moved=0.3)
+    assert solve(noisy, kernel_sd=NO_KERNEL, max_iterations=100).chi2 == pytest.approx(
+        reference(noisy, NO_KERNEL)[2], rel=1e-6
+    )
+
+
+def lu_milios(problem: GraphProblem) -> np.ndarray:
+    """The closed form of Lu and Milios 1997 for given headings: G X = B over positions of poses and tags."""
+    n, m = len(problem.poses), len(problem.tags)
+    G, B = np.zeros((2 * (n + m), 2 * (n + m))), np.zeros(2 * (n + m))
+    links = [
+        (i, j, z[:2], c[:2, :2])
+        for (i, j), z, c in zip(problem.edge_pairs, problem.edge_poses, problem.edge_covariances, strict=True)
+    ]
+    links += [
+        (i, n + k, z, c)
+        for (i, k), z, c in zip(
+            problem.sighting_pairs, problem.sighting_offsets, problem.sighting_covariances, strict=True
+        )
+    ]
+    for i, j, z, covariance in links:
+        c, s = np.cos(problem.poses[i, 2]), np.sin(problem.poses[i, 2])
+        R = np.array([[c, -s], [s, c]])
+        information, difference = np.linalg.inv(R @ covariance @ R.T), R @ z
+        a, b = slice(2 * i, 2 * i + 2), slice(2 * j, 2 * j + 2)
+        G[a, a] += information
+        G[b, b] += information
+        G[a, b] -= information
+        G[b, a] -= information
+        B[b] += information @ difference
+        B[a] -= information @ difference
+    for i, pose, sds in zip(problem.prior_index, problem.prior_poses, problem.prior_sds, strict=True):
+        a = slice(2 * i, 2 * i + 2)
+        G[a, a] += np.diag(sds[:2] ** -2.0)
+        B[a] += sds[:2] ** -2.0 * pose[:2]
+    return np.linalg.solve(G, B).reshape(-1, 2)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_the_linear_form_is_the_closed_form_of_lu_and_milios(seed):
+    rng = np.random.default_rng([30, seed])
+    true_poses, true_tags = truth_of(rng, 9, 4)
+    problem = measured(rng, true_poses, true_tags, moved=0.5)
+    problem.poses[:, 2] = true_poses[:, 2]
+    solution = solve(problem, method="linear", kernel_sd=NO_KERNEL)
+    expected = lu_milios(problem)
+    np.testing.assert_allclose(solution.poses[:, :2], expected[:9], atol=1e-8)
+    np.testing.assert_allclose(solution.tags, expected[9:], atol=1e-8)
+    assert np.array_equal(solution.poses[:, 2], wrap_array(problem.poses[:, 2]))
+
+
+def test_the_linear_form_is_exact_where_headings_are():
+    rng = np.random.default_rng(5)
+    true_poses, true_tags = truth_of(rng, 15, 5)
+    problem = measured(rng, true_poses, true_tags, noise=0.0, moved=2.0)
+    problem.poses[:, 2] = true_poses[:, 2]
+    solution = solve(problem, method="linear", kernel_sd=NO_KERNEL)
+    np.testing.assert_allclose(solution.poses, true_poses, atol=1e-8)
+    np.testing.assert_allclose(solution.tags, true_tags, atol=1e-8)
+    assert solution.iterations == 1
+
+
+@pytest.mark.parametrize("method", ["gauss-newton", "linear"])
+def test_marginal_covariances_are_blocks_of_the_dense_inverse(method):
+    rng = np.random.default_rng(6)
+    problem = measured(rng, *truth_of(rng, 7, 3), moved=0.05)
+    solution = solve(problem, method, max_iterations=100, kernel_sd=NO_KERNEL)
+    values = np.concatenate([solution.poses.ravel(), solution.tags.ravel()])
+    h, count = 1e-6, len(values)
+    J = np.column_stack([
+        whitened(problem, NO_KERNEL, values + h * u) - whitened(problem, NO_KERNEL, values - h * u)
+        for u in np.eye(count)
+    ]) / (2 * h)  # fmt: skip
+    if method == "gauss-newton":
+        dense = np.linalg.inv(J.T @ J)
+        for k in range(7):
+            at = slice(3 * k, 3 * k + 3)
+            np.testing.assert_allclose(solution.pose_covariance(k), dense[at, at], rtol=2e-4, atol=1e-9)
+        places = [dense[at : at + 2, at : at + 2] for at in range(21, count, 2)]
+    else:
+        positions = [k for k in range(count) if k >= 21 or k % 3 < 2]
+        dense = np.linalg.inv(_linear_normal(problem))
+        places = [dense[at : at + 2, at : at + 2] for at in range(14, len(positions), 2)]
+        np.testing.assert_allclose(
+            solution.pose_covariance(3)[:2, :2], dense[6:8, 6:8], rtol=1e-6, atol=1e-12
+        )
+    for k, place in enumerate(places):
+        np.testing.assert_allclose(solution.tag_covariance(k), place, rtol=2e-4, atol=1e-9)
+        assert np.array_equal(solution.tag_covariance(k), solution.tag_covariance(k).T)
+
+
+def _linear_normal(problem: GraphProblem) -> np.ndarray:
+    """G of the closed form, column by column: G x - B is affine in x."""
+    n, m = len(problem.poses), len(problem.tags)
+    rows = []
+    for i, j, covariance in [
+        *((i, j, c[:2, :2]) for (i, j), c in zip(problem.edge_pairs, problem.edge_covariances, strict=True)),
+        *(
+            (i, n + k, c)
+            for (i, k), c in zip(problem.sighting_pairs, problem.sighting_covariances, strict=True)
+        ),
+    ]:
+        row = np.zeros((2, 2 * (n + m)))
+        c, s = np.cos(problem.poses[i, 2]), np.sin(problem.poses[i, 2])
+        turned = np.array([[c, s], [-s, c]])
+        row[:, 2 * j : 2 * j + 2], row[:, 2 * i : 2 * i + 2] = turned, -turned
+        rows.append(np.linalg.solve(np.linalg.cholesky(covariance), row))
+    hold = np.zeros((2, 2 * (n + m)))
+    hold[:, :2] = np.diag(1.0 / problem.prior_sds[0, :2])
+    J = np.vstack([*rows, hold])
+    return np.asarray(J.T @ J)
+
+
+def test_the_pattern_keeps_explicit_zeros_between_factorisations():
+    """Headings of 0 make half of every block zero; qdldl must not lose those places for the next values."""
+    rng = np.random.default_rng(7)
+    problem = measured(rng, *truth_of(rng, 5, 2))
+    equations = NormalEquations(problem)
+    k, s = len(problem.edge_pairs), len(problem.sighting_pairs)
+    diagonal = np.full(equations.size, 2.0)
+    equations.factorise(np.zeros((k, 6, 6)), np.zeros((s, 5, 5)), diagonal)
+    right = rng.standard_normal(equations.size)
+    np.testing.assert_allclose(equations.solve(right), right / 2.0, atol=1e-12)
+    roots = rng.standard_normal((k, 6, 6)), rng.standard_normal((s, 5, 5))
+    blocks = [root @ root.transpose(0, 2, 1) for root in roots]
+    equations.factorise(blocks[0], blocks[1], diagonal)
+    dense = np.diag(diagonal)
+    for variables, hessians in ((equations.edge_variables, blocks[0]), (equations.seen_variables, blocks[1])):
+        for at, block in zip(variables, hessians, strict=True):
+            dense[np.ix_(at, at)] += block
+    np.testing.assert_allclose(equations.solve(right), np.linalg.solve(dense, right), rtol=1e-8, atol=1e-10)
+    equations.factorise(np.zeros((k, 6, 6)), np.zeros((s, 5, 5)), diagonal)
+    np.testing.assert_allclose(equations.solve(right), right / 2.0, atol=1e-12)
+
+
+def test_a_graph_along_the_axes_is_solved_like_any_other():
+    """A square whose headings are 0, 90, 180 and 270 degrees, closed by a tag at its start."""
+    legs = np.array([[1.0, 0.0, pi / 2]] * 4)
+    truth = np.array([[0, 0, 0], [1, 0, pi / 2], [1, 1, pi], [0, 1, -pi / 2], [0, 0, 0]], float)
+    problem = GraphProblem(
+        poses=truth + np.arange(5)[:, None] * (0.05, -0.03, 0.02),
+        tags=np.array([[0.1, 0.1]]),
+        edge_pairs=np.array([[k, k + 1] for k in range(4)]),
+        edge_poses=legs,
+        edge_covariances=np.tile(np.diag([0.01, 0.01, 0.001]), (4, 1, 1)),
+        sighting_pairs=np.array([[0, 0], [4, 0]]),
+        sighting_offsets=np.zeros((2, 2)),
+        sighting_covariances=np.tile(np.diag([1e-4, 1e-4]), (2, 1, 1)),
+        prior_index=np.zeros(1, np.int64),
+        prior_poses=truth[:1],
+        prior_sds=np.full((1, 3), 1e-3),
+    )
+    solution = solve(problem, kernel_sd=NO_KERNEL)
+    np.testing.assert_allclose(solution.poses[:, :2], truth[:, :2], atol=1e-8)
+    np.testing.assert_allclose(wrap_array(solution.poses[:, 2] - truth[:, 2]), 0.0, atol=1e-8)
+    np.testing.assert_allclose(solution.tags, [[0.0, 0.0]], atol=1e-8)
+
+
+def changed(problem: GraphProblem, name: str, at: tuple[int, ...], value: float) -> GraphProblem:
+    array = np.array(getattr(problem, name))
+    array[at] = value
+    return replace(problem, **{name: array})
+
+
+@pytest.mark.parametrize(
+    ("name", "at", "value", "message"),
+    [
+        ("poses", (1, 0), np.nan, "poses holds a value that is not finite"),
+        ("tags", (0, 1), np.inf, "tags holds a value that is not finite"),
+        ("edge_poses", (2, 2), np.nan, "edge_poses holds a value that is not finite"),
+        ("edge_covariances", (0, 1, 1), np.nan, "edge_covariances holds a value that is not finite"),
+        ("sighting_offsets", (0, 0), -np.inf, "sighting_offsets holds a value that is not finite"),
+        ("sighting_covariances", (1, 0, 0), np.nan, "sighting_covariances holds a value that is not finite"),
+        ("edge_covariances", (2, 0, 0), -1.0, r"edge_covariances\[2\] is not positive definite"),
+        ("sighting_covariances", (1, 1, 1), 0.0, r"sighting_covariances\[1\] is not positive definite"),
+        ("edge_pairs", (1, 1), 99, "edge_pairs names a vertex that does not exist"),
+        ("edge_pairs", (0, 0), -1, "edge_pairs names a vertex that does not exist"),
+        ("sighting_pairs", (0, 0), 6, "sighting_pairs names a vertex that does not exist"),
+        ("sighting_pairs", (0, 1), 2, "sighting_pairs names a vertex that does not exist"),
+        ("prior_index", (0,), 6, "prior_index names a vertex that does not exist"),
+        ("heading_index", (0,), 6, "heading_index names a vertex that does not exist"),
+        ("prior_poses", (0, 2), np.nan, "prior_poses holds a value that is not finite"),
+        ("prior_sds", (0, 2), np.nan, "prior_sds"),
+        ("prior_sds", (0, 0), 0.0, "prior_sds"),
+        ("heading_rad", (1,), np.nan, "heading_rad holds a value that is not finite"),
+        ("heading_sd_rad", (1,), 0.0, "heading_sd_rad"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_solved_is_named(name, at, value, message):
+    rng = np.random.default_rng(8)
+    problem = measured(rng, *truth_of(rng, 6, 2))
+    solve(problem)
+    with pytest.raises(GraphError, match=message):
+        solve(changed(problem, name, at, value))
+
+
+def test_a_graph_that_nothing_holds_is_named():
+    rng = np.random.default_rng(9)
+    problem = measured(rng, *truth_of(rng, 6, 2))
+    free = replace(
+        problem,
+        prior_index=np.zeros(0, np.int64),
+        prior_poses=np.zeros((0, 3)),
+        prior_sds=np.zeros((0, 3)),
+    )
+    with pytest.raises(GraphError, match="at least one prior"):
+        solve(free)
+
+
+@pytest.mark.parametrize("method", ["gauss-newton", "linear"])
+def test_a_pose_and_a_tag_that_nothing_is_joined_to_are_named(method):
+    rng = np.random.default_rng(9)
+    problem = measured(rng, *truth_of(rng, 6, 2))
+    lonely_pose = replace(problem, poses=np.vstack([problem.poses, [9.0, 9.0, 0.0]]))
+    lonely_tag = replace(problem, tags=np.vstack([problem.tags, [9.0, 9.0]]))
+    for alone in (lonely_pose, lonely_tag):
+        with pytest.raises(GraphError, match="no measurement or prior holds in place"):
+            solve(alone, method)
+
+
+def test_two_halves_of_which_only_one_is_held_are_named():
+    rng = np.random.default_rng(9)
+    problem = measured(rng, *truth_of(rng, 6, 2), headings=False)
+    pair = np.array([[6, 7]])
+    halves = replace(
+        problem,
+        poses=np.vstack([problem.poses, [[9.0, 9.0, 0.0], [10.0, 9.0, 0.0]]]),
+        edge_pairs=np.vstack([problem.edge_pairs, pair]),
+        edge_poses=np.vstack([problem.edge_poses, [[1.0, 0.0, 0.0]]]),
+        edge_covariances=np.concatenate([problem.edge_covariances, np.eye(3)[None] * 0.01]),
+    )
+    with pytest.raises(GraphError, match="no measurement or prior holds in place"):
+        solve(halves)
+
+
+def test_solving_leaves_the_problem_as_it_was():
+    rng = np.random.default_rng(11)
+    problem = measured(rng, *truth_of(rng, 6, 2))
+    before = {name: np.array(getattr(problem, name)) for name in problem.__slots__}
+    first = solve(problem)
+    second = solve(problem)
+    for name, array in before.items():
+        assert np.array_equal(getattr(problem, name), array), name
+    assert np.array_equal(first.poses, second.poses)  # bit for bit
+    assert np.array_equal(first.tags, second.tags)

@@ -1,0 +1,250 @@
+"""The pose between two tags: exact without noise, honest with it, and whole again after being carried."""
+
+from dataclasses import replace
+from math import pi
+
+import numpy as np
+import pytest
+
+from robots.config import AgentConfig
+from robots.estimation.tracking import PoseTracker
+from robots.evaluation import consistency
+from robots.se2 import Pose2, wrap, wrap_array
+from robots.sim.runner import RobotResult, run
+from robots.sim.scenario import ScenarioConfig
+from robots.types import DistanceTurn, ImuReading, LaserScan, WheelEncoders
+
+CONFIG = AgentConfig()
+PERIOD_S = 0.2
+FAR = LaserScan(np.full(240, 4.0, np.float32), -2.0, 4.0 / 240, 4.0)
+
+
+class Drive:
+    """A robot on a circle in a room, its tracker beside it: one scan a period, odometry with it."""
+
+    def __init__(self, sweep, walls, imu: bool, seed: int = 0, sd_m: float = 0.0) -> None:
+        self.true = Pose2(1.0, -1.0, 0.3)
+        self.tracker = PoseTracker(CONFIG, self.true.theta if imu else 0.0)
+        self._sweep, self._walls, self._imu = sweep, walls, imu
+        self._rng, self._sd_m = np.random.default_rng(seed), sd_m
+        self._clock_s = 0.0
+        self.look(DistanceTurn(0.0, 0.0))
+
+    def look(self, odometry: DistanceTurn, scan: LaserScan | None = None) -> bool:
+        imu = ImuReading(self.true.theta) if self._imu else None
+        self.tracker.predict(self._clock_s, odometry, imu, False)
+        self._clock_s += PERIOD_S
+        seen = self._sweep(self._walls, self.true, sd_m=self._sd_m, rng=self._rng)
+        return self.tracker.match(seen if scan is None else scan)
+
+    def ahead(
+        self, periods: int, speed_m: float = 0.1, turn_rad: float = 0.045, slip: float = 1.0
+    ) -> list[bool]:
+        """Drive on; ``slip`` is what odometry says per metre driven."""
+        matched = []
+        for _ in range(periods):
+            self.true = self.true @ Pose2(speed_m, 0.0, turn_rad)
+            matched.append(self.look(DistanceTurn(speed_m * slip, turn_rad)))
+        return matched
+
+    def error(self, since_true: Pose2, since_local: Pose2) -> tuple[float, float]:
+        true = since_true.between(self.true)
+        believed = since_local.between(self.tracker.local_from_base)
+        return true.distance(believed), abs(wrap(believed.theta - true.theta))
+
+
+@pytest.fixture
+def hall(room) -> np.ndarray:
+    return 2.0 * room
+
+
+@pytest.mark.parametrize("imu", [False, True], ids=["wheels", "imu"])
+def test_without_noise_it_stays_true(sweep, hall, imu):
+    drive = Drive(sweep, hall, imu)
+    start = drive.true, drive.tracker.local_from_base
+    matched = drive.ahead(200)
+    assert all(matched)
+    moved, turned = drive.error(*start)
+    assert moved < 0.02
+    assert turned < 0.005
+
+
+def test_scans_hold_it_where_the_wheels_are_wrong(sweep, hall):
+    """Wheels that tell 15 % too much, over 10 m: odometry alone would be 1.5 m of way off."""
+    drive = Drive(sweep, hall, imu=False, sd_m=0.01)
+    start = drive.true, drive.tracker.local_from_base
+    drive.ahead(100, slip=1.15)
+    moved, turned = drive.error(*start)
+    assert moved < 0.10
+    assert turned < 0.03
+
+
+@pytest.mark.parametrize("imu", [False, True], ids=["wheels", "imu"])
+def test_a_restart_gives_exactly_the_displacement_since(sweep, hall, imu):
+    drive = Drive(sweep, hall, imu, sd_m=0.01)
+    chain, start = Pose2(), drive.tracker.local_from_base
+    for periods in (7, 33, 1, 12, 60):
+        before = drive.tracker.local_from_base
+        drive.ahead(periods, slip=1.1)
+        expected = before.between(drive.tracker.local_from_base)
+        assert drive.tracker.anchor_from_base.mean.distance(expected) < 1e-9
+        displacement = drive.tracker.restart()
+        assert displacement.mean.distance(expected) < 1e-9
+        assert wrap(displacement.mean.theta - expected.theta) == pytest.approx(0.0, abs=1e-9)
+        assert np.linalg.eigvalsh(displacement.covariance)[0] > 0.0
+        chain = chain @ displacement.mean
+        here = drive.tracker.anchor_from_base
+        assert here.mean == Pose2()
+        assert not here.covariance.any()
+    assert chain.distance(start.between(drive.tracker.local_from_base)) < 1e-9
+
+
+def test_restarting_does_not_move_the_robot(sweep, hall):
+    drive, other = (Drive(sweep, hall, imu=True, sd_m=0.01) for _ in range(2))
+    drive.ahead(30, slip=1.05)
+    other.ahead(30, slip=1.05)
+    here = drive.tracker.local_from_base
+    drive.tracker.restart()
+    assert drive.tracker.local_from_base == here == other.tracker.local_from_base
+
+
+def test_uncertainty_grows_with_the_way_however_often_it_matches(sweep, hall):
+    """Eq. (3) and (4) taken as absolute would shrink it for ever."""
+    drive = Drive(sweep, hall, imu=False, sd_m=0.01)
+    drive.tracker.restart()
+    areas = []
+    for _ in range(8):
+        drive.ahead(20)  # 2 m
+        covariance = drive.tracker.anchor_from_base.covariance
+        assert np.linalg.eigvalsh(covariance)[0] > 0.0
+        areas.append(np.sqrt(covariance[0, 0] + covariance[1, 1]))
+    assert (np.diff(areas) > 0.0).all()
+    assert areas[0] > 0.005
+    assert areas[-1] < 1.0
+
+
+def test_standing_still_it_grows_no_surer_than_its_map(sweep, hall):
+    drive = Drive(sweep, hall, imu=False, sd_m=0.01)
+    drive.ahead(5)
+    drive.tracker.restart()
+    drive.ahead(300, speed_m=0.0, turn_rad=0.0)
+    sd = np.sqrt(np.diag(drive.tracker.anchor_from_base.covariance))
+    assert sd[0] >= CONFIG.scan_match.map_sd_m
+    assert sd[2] >= CONFIG.scan_match.map_sd_rad
+
+
+def test_with_true_poses_nothing_is_estimated(sweep, hall):
+    tracker = PoseTracker(replace(CONFIG, poses="truth"), 0.3)
+    pose = Pose2(0.0, 0.0, 0.3)
+    for k in range(20):
+        tracker.predict(k * PERIOD_S, DistanceTurn(0.1, 0.05), None, False)
+        pose = pose @ Pose2(0.1, 0.0, 0.05)
+        assert not tracker.match(sweep(hall, Pose2()))
+    assert tracker.local_from_base.distance(pose) < 1e-12
+    assert not tracker.anchor_from_base.covariance.any()
+
+
+def test_far_readings_leave_odometry_alone(sweep, hall):
+    drive = Drive(sweep, hall, imu=False)
+    start = drive.true, drive.tracker.local_from_base
+    for _ in range(40):
+        drive.true = drive.true @ Pose2(0.1, 0.0, 0.02)
+        assert not drive.look(DistanceTurn(0.1, 0.02), FAR)
+    assert not drive.tracker.matched
+    moved, turned = drive.error(*start)  # exact odometry: exact
+    assert moved < 1e-9
+    assert turned < 1e-9
+    assert drive.tracker.distance_m == pytest.approx(4.0)
+
+
+def test_while_the_wheels_slip_they_say_nothing_about_the_distance():
+    tracker = PoseTracker(CONFIG, 0.0)
+    tracker.predict(0.0, None, ImuReading(0.0), False)
+    tracker.predict(0.05, WheelEncoders(0.3, 0.3, 0.3, 0.3), ImuReading(0.1), True)
+    since = tracker.anchor_from_base
+    assert (since.mean.x, since.mean.y) == (0.0, 0.0)
+    assert since.mean.theta == pytest.approx(0.1)
+    assert since.covariance[0, 0] >= CONFIG.odometry.slip_sd_m**2
+    assert np.sqrt(since.covariance[2, 2]) < 0.01
+    assert tracker.distance_m == 0.0
+
+
+def test_yaw_is_wrapped_between_two_readings():
+    tracker = PoseTracker(CONFIG, 3.1)
+    tracker.predict(0.0, None, ImuReading(3.1), False)
+    tracker.predict(0.05, None, ImuReading(-3.1), False)
+    assert tracker.anchor_from_base.mean.theta == pytest.approx(2 * pi - 6.2)
+    tracker.predict(0.05, None, ImuReading(-3.1), False)  # no time has passed
+    assert np.isfinite(tracker.anchor_from_base.covariance).all()
+
+
+def test_a_match_that_contradicts_odometry_is_put_aside(sweep, hall):
+    """For a second the scans are those of the same hall shifted: a wrong wall, or a push?"""
+    drive = Drive(sweep, hall, imu=True)
+    drive.ahead(20)
+    start = drive.true, drive.tracker.local_from_base
+    beside = Pose2(drive.true.x + 0.2, drive.true.y - 0.2, drive.true.theta)
+    wrong = sweep(hall, beside)
+    for _ in range(4):
+        assert not drive.look(DistanceTurn(0.0, 0.0), wrong)
+    assert drive.error(*start)[0] < 1e-9
+    assert drive.look(DistanceTurn(0.0, 0.0))  # the right scans again
+    assert drive.error(*start)[0] < 0.005
+
+
+def test_one_pushed_a_little_notices_after_a_second(sweep, hall):
+    """The contradiction lasts: then it is odometry that is wrong."""
+    drive = Drive(sweep, hall, imu=True)
+    drive.ahead(20)
+    start = drive.true, drive.tracker.local_from_base
+    drive.true = Pose2(drive.true.x + 0.2, drive.true.y - 0.2, drive.true.theta)
+    matched = drive.ahead(30, speed_m=0.0, turn_rad=0.0)
+    assert not any(matched[:5])
+    assert all(matched[8:])
+    assert drive.error(*start)[0] < 0.02
+
+
+@pytest.mark.parametrize("imu", [False, True], ids=["wheels", "imu"])
+def test_a_robot_carried_away_tracks_again_where_it_was_set_down(sweep, hall, imu):
+    """Somewhere else and turned: nothing matches. Its place is lost, local tracking is not."""
+    drive = Drive(sweep, hall, imu, sd_m=0.01)
+    drive.ahead(40, slip=1.1)
+    drive.true = Pose2(-1.5, 3.0, drive.true.theta + 1.5)
+    lost = drive.ahead(30, slip=1.1)
+    assert not all(lost)
+    start = drive.true, drive.tracker.local_from_base
+    found = drive.ahead(40, slip=1.1)
+    assert all(found[-20:])
+    moved, turned = drive.error(*start)
+    assert moved < 0.10  # of 4 m; wheels alone would be 0.4 m off
+    assert turned < 0.03
+
+
+def displacement_errors(robot: RobotResult) -> tuple[np.ndarray, np.ndarray]:
+    """Errors (n, 3) of the displacements from tag to tag against the true poses, and their covariances."""
+    graph = robot.report.graph
+    assert graph is not None
+    ticks = np.searchsorted(robot.stamps_s, graph.stamps_s - 1e-6)
+    truths = [Pose2.from_array(robot.truths[tick]) for tick in ticks]
+    errors = []
+    for (i, j), measured in zip(graph.edge_pairs, graph.edge_poses, strict=True):
+        errors.append(measured - truths[i].between(truths[j]).as_array())
+    errors = np.array(errors)
+    errors[:, 2] = wrap_array(errors[:, 2])
+    return errors, graph.edge_covariances
+
+
+@pytest.mark.parametrize("imu", [False, True], ids=["wheels", "imu"])
+def test_displacements_between_tags_know_their_error(imu):
+    """Noise level 3 in an office; a third of the ideal 3 to twice of it are accepted on average."""
+    errors, covariances = [], []
+    for seed in (1, 2):
+        scenario = ScenarioConfig(
+            map="office:200", robots=1, minutes=5.0, seed=seed, noise_level=3, imu=imu, victims=0
+        )
+        found = displacement_errors(run(scenario).robots[0])
+        errors.append(found[0])
+        covariances.append(found[1])
+    nees = consistency(np.concatenate(errors), np.concatenate(covariances))
+    assert nees.samples >= 15
+    assert 1.0 < nees.average < 6.0, nees

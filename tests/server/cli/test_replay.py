@@ -1,0 +1,166 @@
+"""`waymark replay`: a recording through the agent here, and to a server through the robot API."""
+
+import json
+from http.server import BaseHTTPRequestHandler, HTTPServer
+from pathlib import Path
+from threading import Thread
+
+import numpy as np
+import pytest
+
+from robots.se2 import Pose2
+from robots.tum import read_tum
+from server.cli.main import run
+
+DATA = Path(__file__).parents[4] / "shared" / "data"
+
+
+@pytest.fixture(scope="module")
+def recording(tmp_path_factory):
+    """Twice round a room of 12 x 8 m with a pillar; perfect wheels, laser and reference."""
+    poses, angles = [], np.radians(-89.5 + np.arange(180))
+    scanner = Pose2(0.0, -2.0, 0.0)
+    motions = ([Pose2(0.4, 0.0, 0.0)] * 10 + [Pose2(0.2, 0.0, np.pi / 6)] * 3) * 8
+    wheels = []
+    for motion in motions:
+        poses.append(scanner)
+        scanner = scanner @ motion
+        wheels.append((Pose2(0.095, 0.0, 0.0) @ motion @ Pose2(-0.095, 0.0, 0.0)).as_array())
+    path = tmp_path_factory.mktemp("recording") / "loop.npz"
+    np.savez(
+        path,
+        t_epoch=1000.0 + np.arange(len(poses)),
+        ranges=np.array([_scan(pose, angles) for pose in poses], np.float32),
+        odo_increments=np.array(wheels),
+        corrected_pose=np.array([pose.as_array() for pose in poses]),
+    )
+    return path
+
+
+def _scan(pose: Pose2, angles: np.ndarray) -> np.ndarray:
+    """Ranges to the walls of the room and to a round pillar in its middle."""
+    c, s = np.cos(pose.theta + angles), np.sin(pose.theta + angles)
+    with np.errstate(divide="ignore"):
+        to_x = np.where(c > 0, (8.0 - pose.x) / c, (-4.0 - pose.x) / c)
+        to_y = np.where(s > 0, (4.0 - pose.y) / s, (-4.0 - pose.y) / s)
+    along = (1.5 - pose.x) * c + (0.3 - pose.y) * s
+    across2 = (1.5 - pose.x) ** 2 + (0.3 - pose.y) ** 2 - along**2
+    pillar = np.where(
+        (along > 0) & (across2 < 0.25), along - np.sqrt(np.maximum(0.25 - across2, 0.0)), np.inf
+    )
+    return np.minimum(np.minimum(to_x, to_y), pillar)
+
+
+def test_the_day_is_replayed_and_written(recording, tmp_path, capsys):
+    arguments = ["replay", "intel", str(recording), "--virtual-tags", "2", "--out", str(tmp_path), "--json"]
+    assert run(arguments) == 0
+    result = json.loads(capsys.readouterr().out)
+    assert result["observations"] == 104
+    assert result["ate_m"]["r1"] < 0.1
+    assert result["sightings"] >= result["tags"] > 5
+    final = read_tum(tmp_path / "trajectory_r1_final.tum")
+    assert final.stamps_s.tolist() == (1000.0 + np.arange(104)).tolist()
+    tags = [row.split(",")[0] for row in (tmp_path / "tags.csv").read_text().splitlines()[1:]]
+    assert set(tags) == {str(number + 1) for number in range(result["tags"])}
+    assert (tmp_path / "map.png").exists()
+
+
+def test_relations_are_compared_on_demand(recording, tmp_path, capsys):
+    truth = np.load(recording)["corrected_pose"]
+    rows = []
+    for i, j in [(5, 57), (10, 40), (60, 9)]:
+        motion = Pose2.from_array(truth[i]).between(Pose2.from_array(truth[j]))
+        rows.append([1000.0 + i, 1000.0 + j, motion.x, motion.y, 0, 0, 0, motion.theta])
+    np.savetxt(tmp_path / "loop.relations", rows)
+    arguments = ["replay", "intel", str(recording), "--relations", str(tmp_path / "loop.relations"), "--json"]
+    assert run(arguments) == 0
+    assert json.loads(capsys.readouterr().out)["relations_m"]["r1"] < 0.1
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["mars", "FILE"], "there is no dataset 'mars'; known are intel"),
+        (["intel", "absent.npz"], "there is no recording absent.npz"),
+        (["intel", "FILE", "--virtual-tags", "0"], "--virtual-tags has to be greater than 0"),
+        (["intel", "FILE", "--virtual-tags", "nan"], "--virtual-tags has to be a finite number"),
+        (["intel", "FILE", "--speed", "-1"], "--speed has to be 0 or more"),
+        (["intel", "FILE", "--relations", "absent"], "cannot read the relations absent"),
+        (["intel", "FILE", "--server", "ftp://x"], "is not the address of a server"),
+        (
+            ["intel", "FILE", "--server", "http://127.0.0.1:9", "--out", "OUT"],
+            "belong to a replay without --server",
+        ),
+    ],
+)
+def test_what_cannot_be_replayed_ends_in_one_sentence(recording, tmp_path, capsys, arguments, words):
+    paths = {"FILE": str(recording), "OUT": str(tmp_path)}
+    assert run(["replay", *(paths.get(word, word) for word in arguments), "--json"]) == 1
+    shown = capsys.readouterr()
+    assert shown.out == ""
+    assert words in shown.err
+    assert shown.err.count("\n") == 1
+
+
+@pytest.fixture
+def control():
+    """A server that takes missions, robots and observations, and remembers them."""
+    seen: dict[str, list] = {"missions": [], "robots": [], "batches": []}
+
+    class Handler(BaseHTTPRequestHandler):
+        def do_POST(self) -> None:
+            body = json.loads(self.rfile.read(int(self.headers["Content-Length"])))
+            kind = {"missions": "missions", "robots": "robots", "observations": "batches"}[
+                self.path.split("/")[-1]
+            ]
+            seen[kind].append(body)
+            posted = sum(len(batch["observations"]) for batch in seen["batches"])
+            reply = json.dumps({"next_seq": posted, "stop": False, "command": {}}).encode()
+            self.send_response(200)
+            self.send_header("Content-Length", str(len(reply)))
+            self.end_headers()
+            self.wfile.write(reply)
+
+        def log_message(self, *_: object) -> None:
+            pass
+
+    server = HTTPServer(("127.0.0.1", 0), Handler)
+    thread = Thread(target=server.serve_forever, kwargs={"poll_interval": 0.02})
+    thread.start()
+    yield f"http://127.0.0.1:{server.server_address[1]}", seen
+    server.shutdown()
+    thread.join()
+    server.server_close()
+
+
+def test_a_recording_is_posted_through_the_robot_api(recording, control, capsys):
+    url, seen = control
+    options = ["--virtual-tags", "2", "--server", url, "--speed", "0", "--mission", "day", "--json"]
+    assert run(["replay", "intel", str(recording), *options]) == 0
+    result = json.loads(capsys.readouterr().out)
+    assert (result["posted"], result["mission_id"]) == (104, "day")
+    observations = [item for batch in seen["batches"] for item in batch["observations"]]
+    assert [item["seq"] for item in observations] == list(range(104))
+    assert seen["robots"][0]["config"]["antenna"]["radius_m"] == 0.15
+    assert observations[0]["tag_sightings"] == [{"tag_id": "1", "memory": ""}]
+
+
+def test_the_speed_is_kept_and_a_second_call_goes_on(recording, control, capsys):
+    url, _ = control
+    arguments = ["replay", "intel", str(recording), "--server", url, "--mission", "day", "--json"]
+    assert run([*arguments, "--speed", "100"]) == 0
+    assert json.loads(capsys.readouterr().out)["wall_s"] >= 1.0  # 103 s of recording
+    assert run([*arguments, "--speed", "0"]) == 0
+    shown = capsys.readouterr()
+    assert json.loads(shown.out)["posted"] == 0
+    assert "r1 goes on at observation 104" in shown.err
+
+
+@pytest.mark.data
+@pytest.mark.slow
+@pytest.mark.skipif(not DATA.exists(), reason="the Intel recording is not part of the project")
+def test_the_real_day_is_as_exact_as_promised(tmp_path, capsys):
+    files = [str(DATA / "intel_raw_2726.npz"), "--relations", str(DATA / "intel.relations")]
+    assert run(["replay", "intel", *files, "--virtual-tags", "2", "--out", str(tmp_path), "--json"]) == 0
+    result = json.loads(capsys.readouterr().out)
+    assert result["relations_m"]["r1"] <= 0.15
