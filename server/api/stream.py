@@ -13,7 +13,7 @@ from server.guard import is_same_origin
 from server.missions import Missions
 
 router = APIRouter(prefix="/missions/{mission_id}")
-_PAUSE_S = 0.04  # changes are sent at most this often
+_PAUSE_S = 0.02  # changes are sent at most this often
 _HEARTBEAT_S = 1.0
 _SEND_S = 10.0  # who takes longer to accept a message is not reading any more
 _UNKNOWN, _FOREIGN = 4404, 4403

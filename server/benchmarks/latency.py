@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 from websockets.asyncio.client import connect
+from websockets.exceptions import WebSocketException
 
 from robots.client import Json, RobotClient
 from robots.sim.live import play
@@ -60,7 +61,7 @@ class _TimedClient(RobotClient):
 
     sent: list[_Post] = []  # noqa: RUF012 - shared on purpose: one list for the whole team
 
-    def post(self, observations: Sequence[Json] = (), onboard: Sequence[Json] = ()) -> Json:
+    def post(self, observations: Sequence[Json], onboard: Sequence[Json] | None = None) -> Json:
         """Send observations."""
         if observations:
             self.sent.append((self._robot_id, observations[-1]["stamp_s"], time.time()))
@@ -74,10 +75,10 @@ def _drive(url: str, robots: int, seconds: float, posts: Queue[list[_Post]]) -> 
 
 
 async def _watch(url: str, dashboards: int, seconds: float) -> list[dict[tuple[str, float], float]]:
-    return await asyncio.gather(*(_dashboard(url, seconds) for _ in range(dashboards)))
+    return list(await asyncio.gather(*(_dashboard(url, seconds) for _ in range(dashboards))))
 
 
-async def _dashboard(url: str, seconds: float) -> list[tuple[str, float, float]] | Any:
+async def _dashboard(url: str, seconds: float) -> dict[tuple[str, float], float]:
     """Return when each robot's stamp arrived: {(robot, stamp): unix time}."""
     arrivals: dict[tuple[str, float], float] = {}
     until = time.monotonic() + seconds
@@ -90,7 +91,7 @@ async def _dashboard(url: str, seconds: float) -> list[tuple[str, float, float]]
                     for key, value in {**message.get("state", {}), **message.get("set", {})}.items():
                         if key.startswith("robot/"):
                             arrivals.setdefault((value["robot_id"], value["stamp_s"]), now)
-        except (OSError, TimeoutError, Exception):
+        except (OSError, TimeoutError, WebSocketException):
             await asyncio.sleep(0.2)  # the mission is not there yet
     return arrivals
 

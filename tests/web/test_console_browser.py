@@ -34,7 +34,8 @@ FIRST_MS = 60_000  # the first observations may have to wait for the agent's ker
 class SmallRobot:
     """A robot without faults in a rectangular room, driven by the server's commands through the API."""
 
-    ROOM = (-3.0, -2.0, 5.0, 4.0)  # smallest x and y, largest x and y, in metres
+    ROOM = (-4.0, -3.0, 8.0, 5.0)  # smallest x and y, largest x and y, in metres
+    REACH_M = 2.5  # of the laser: shorter than the room, so that the robot has to drive to see it
     VICTIM = (2.5, 2.0)
     PERIOD_S = 0.2
     BEAMS = 181
@@ -87,10 +88,10 @@ class SmallRobot:
             "odometry": {"kind": "distance_turn", "distance_m": distance, "turn_rad": turn},
             "imu": {"yaw_rad": self.yaw, "roll_rad": 0.0, "pitch_rad": 0.0},
             "scan": {
-                "ranges_m": [self._range(self.yaw + bearing) for bearing in bearings],
+                "ranges_m": [min(self._range(self.yaw + bearing), self.REACH_M) for bearing in bearings],
                 "angle_min_rad": -pi / 2,
                 "angle_increment_rad": pi / (self.BEAMS - 1),
-                "range_max_m": 12.0,
+                "range_max_m": self.REACH_M,
             },
             "heat": [
                 {
