@@ -38,7 +38,7 @@ format: setup  ## Put the code into ruff's format.
 	$(BIN)/ruff format .
 
 bench: setup  ## Measure what BENCHMARKS.md reports.
-	$(BIN)/waymark bench $(ARGS)
+	@$(BIN)/waymark bench $(ARGS)
 	@if [ -f $(DATA)/intel_raw_2726.npz ]; then \
 		$(BIN)/waymark replay intel $(DATA)/intel_raw_2726.npz --virtual-tags 2 --relations $(DATA)/intel.relations; \
 	else echo "The Intel recording is not in $(DATA): its figures are left out."; fi

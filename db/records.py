@@ -55,7 +55,10 @@ class RobotRecord:
 
 @dataclass(frozen=True, slots=True)
 class ObservationRecord:
-    """One line of the log: ``body`` is the encoded ``Observation``; ``fault`` says why the agent cannot take it."""
+    """One line of the log.
+
+    ``body`` is the encoded ``Observation``; ``fault`` says why the agent cannot take it.
+    """
 
     seq: int
     stamp_s: float

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from math import isfinite
+from zlib import crc32
 
 import numpy as np
 
@@ -43,8 +44,9 @@ class RobotAgent:
     def __init__(self, robot_id: str, config: AgentConfig) -> None:
         self.robot_id = robot_id
         self.config = config
-        self._explorer = Explorer(config)
-        self._dropper = TagDropper(config.deployment, config.mapping, config.seed)
+        own = crc32(robot_id.encode())  # robots told the same seed must not draw alike
+        self._explorer = Explorer(config, (config.seed, own, 1))
+        self._dropper = TagDropper(config.deployment, config.mapping, (config.seed, own, 2))
         self._victims = VictimTracker(robot_id, config.victims)
         self._maps = MapKeeper(config.mapping)
         self._tracker: PoseTracker | None = None

@@ -163,7 +163,7 @@ class PlanningConfig:
     """Where to go and how."""
 
     cell_m: float = 0.10
-    clearance_m: float = 0.08
+    clearance_m: float = 0.05
     comfort_m: float = 0.45
     replan_every_s: float = 1.0
     explore: str = "nearest"

@@ -204,7 +204,7 @@ class VictimEstimate:
     last_seen_s: float
 
 
-Activity = Literal["starting", "exploring", "holding", "stuck", "done"]
+Activity = Literal["starting", "exploring", "returning", "holding", "stuck", "done"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -1,8 +1,7 @@
 """What everybody sees of a mission: keyed state where the latest value wins, and who is told of its changes.
 
 A subscriber holds the keys that changed since it last looked, not the changes: one that is slow gets fewer
-and newer
-updates, never a backlog.
+and newer updates, never a backlog.
 """
 
 from __future__ import annotations
@@ -56,8 +55,9 @@ class Board:
         return dict(self._values)
 
     def subscribe(self) -> Subscription:
-        """Return a subscription that sees every change from this moment on; close it, or use it in
-        ``with``.
+        """Return a subscription that sees every change from this moment on.
+
+        Close it, or use it in ``with``.
         """
         subscription = Subscription(self)
         self._subscriptions.add(subscription)
@@ -93,8 +93,9 @@ class Board:
 
 
 class Subscription:
-    """The keys that changed since the subscriber last asked. Iterates over (values that were set, deleted
-    keys).
+    """The keys that changed since the subscriber last asked.
+
+    Iterates over (values that were set, deleted keys).
     """
 
     def __init__(self, board: Board) -> None:

@@ -1,5 +1,6 @@
-"""Where an agent on board and its twin on the server differ: they run the same code on the same log, so
-they must not.
+"""Where an agent on board and its twin on the server differ.
+
+They run the same code on the same log, so they must not.
 """
 
 from __future__ import annotations

@@ -61,6 +61,9 @@ def add_error_handlers(app: FastAPI) -> None:
         return error_response(422, "invalid", f"{field or 'The body'}: {message}.".replace("..", "."), field)
 
     async def http(_: Request, error: HTTPException) -> JSONResponse:
+        if error.status_code == 400 and "parsing the body" in str(error.detail):
+            text = "The body cannot be read as JSON: it is nested too deeply or holds a number too long."
+            return error_response(422, "invalid_json", text)
         known = {404: "unknown_address", 405: "wrong_method", 413: "too_large"}
         code = known.get(error.status_code, "refused")
         detail = str(error.detail)
@@ -82,8 +85,9 @@ def add_error_handlers(app: FastAPI) -> None:
 
 
 def field_name(location: Sequence[Any]) -> str | None:
-    """Return ``observations.3.imu.yaw_rad`` for the place at which validation failed, None for the whole
-    body.
+    """Return ``observations.3.imu.yaw_rad`` for the place at which validation failed.
+
+    None for the whole body.
     """
     parts = [str(part) for part in location if str(part) not in _UNION_TAGS]
     parts = parts[1:] if parts and parts[0] in ("body", "query", "path") else parts

@@ -1,6 +1,4 @@
-"""What is decided about a request before anything reads it: how large it may be, and where it may come
-from.
-"""
+"""What is decided about a request before anything reads it: its size, and where it may come from."""
 
 from __future__ import annotations
 
@@ -22,9 +20,7 @@ def is_same_origin(headers: Headers) -> bool:
 
 
 class Guard:
-    """ASGI middleware: refuses bodies over a limit, announced or not, and changes asked for by foreign
-    pages.
-    """
+    """ASGI middleware that refuses bodies over a limit, announced or not, and changes by foreign pages."""
 
     def __init__(self, app: ASGIApp, max_body_bytes: int) -> None:
         self._app = app
@@ -32,6 +28,7 @@ class Guard:
         self._too_large = f"The body is larger than {max_body_bytes} bytes; send it in several requests."
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Refuse the request, or pass it on."""
         if scope["type"] != "http":
             await self._app(scope, receive, send)
             return

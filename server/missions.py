@@ -7,13 +7,16 @@ import re
 import time
 from typing import Protocol
 
+import numpy as np
+from numpy.typing import NDArray
+
 from db.records import MissionRecord
 from db.store import Store
 from robots.team import TeamGrid
 from server.agents.process import ForkServer
 from server.board import Board
 from server.errors import ApiError, unknown
-from server.mission import Mission
+from server.mission.mission import Mission
 from server.settings import Settings
 
 
@@ -24,7 +27,7 @@ class Scenes(Protocol):
         """Show a mission from now on."""
 
     def update_map(
-        self, mission_id: str, cells: object, origin_m: tuple[float, float], resolution_m: float
+        self, mission_id: str, cells: NDArray[np.int8], origin_m: tuple[float, float], resolution_m: float
     ) -> None:
         """Take over a new fused map."""
 
@@ -60,7 +63,7 @@ class Missions:
     async def restore(self) -> None:
         """Bring back every mission of the database."""
         for record in await self._store.missions.all_missions():
-            mission = await self._begin(record)
+            mission = await self._add(record)
             await mission.restore()
 
     async def open(self, name: str, mission_id: str | None) -> Mission:
@@ -79,15 +82,16 @@ class Missions:
                 )
             record = MissionRecord(mission_id or self._id_for(name), name, "running", time.time())
             await self._store.missions.create_mission(record)
-            mission = await self._begin(record)
-        await mission.tell("mission_opened", f"{name} was opened.")
+            mission = await self._add(record)
+            mission.begin()
+        await mission.events.tell("mission_opened", f"{name} was opened.")
         return mission
 
     async def close(self) -> None:
         """End every mission's processes; the database keeps them."""
         await asyncio.gather(*(mission.close() for mission in self._missions.values()))
 
-    async def _begin(self, record: MissionRecord) -> Mission:
+    async def _add(self, record: MissionRecord) -> Mission:
         mission = Mission(record, self._store, self._forks, self._settings, self._on_grid)
         self._missions[record.mission_id] = mission
         await self._scenes.start(record.mission_id, mission.board)

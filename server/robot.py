@@ -1,5 +1,6 @@
-"""One robot of a mission as the server keeps it: where its log stands, its agent's latest word, whether it
-is heard.
+"""One robot of a mission as the server keeps it.
+
+Where its log stands, its agent's latest word, whether it is heard, and how it stands on the board.
 """
 
 from __future__ import annotations
@@ -8,7 +9,7 @@ import asyncio
 import time
 from collections import OrderedDict
 from collections.abc import AsyncIterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
@@ -46,9 +47,7 @@ class RobotLog:
         return None if record is None else (record.seq, record.body)
 
     async def observations(self, after: int, until: int) -> AsyncIterator[tuple[int, bytes]]:
-        """Yield (seq, encoded observation) of the log in order; an empty one where the agent cannot take
-        it.
-        """
+        """Yield (seq, encoded observation) in order; an empty one where the agent cannot take it."""
         async for record in self._store.log.observations_after(*self._of, after, until):
             empty = record.fault is not None
             yield record.seq, codec.encode(Observation(record.seq, record.stamp_s)) if empty else record.body
@@ -63,7 +62,11 @@ class RobotLog:
 
 @dataclass(slots=True)
 class Robot:
-    """A registered robot. ``anchors`` (n, 3): world poses of its pose vertices in the latest team map."""
+    """A registered robot. ``anchors`` (n, 3): world poses of its pose vertices in the latest team map.
+
+    ``thought``: the agent's work on the newest observations of the log; ``differs``: the agent on board
+    decided otherwise in the last batch that told what it decided.
+    """
 
     record: RobotRecord
     host: AgentHost
@@ -83,6 +86,8 @@ class Robot:
     told: OrderedDict[int, Told] = field(default_factory=OrderedDict)
     arriving: asyncio.Lock = field(default_factory=asyncio.Lock)
     thinking: asyncio.Lock = field(default_factory=asyncio.Lock)
+    thought: asyncio.Task[None] | None = None
+    differs: bool = False
     snapshot_seq: int = -1
     snapshot_at_s: float = field(default_factory=time.monotonic)
     snapshot_task: asyncio.Task[None] | None = None
@@ -91,6 +96,11 @@ class Robot:
     def robot_id(self) -> str:
         """Its name in the mission."""
         return self.record.robot_id
+
+    def set_stopped(self, stopped: bool) -> None:
+        """Stop it, or let it go on: from the next reply on."""
+        self.stopped = stopped
+        self.record = replace(self.record, stopped=stopped)
 
     def take(self, update: AgentUpdate) -> None:
         """Make an update the latest one."""
@@ -105,8 +115,9 @@ class Robot:
             self.told.popitem(last=False)
 
     def world_pose(self) -> Pose2 | None:
-        """Return the pose of the base in the world, by the latest team map; None before anything was
-        observed.
+        """Return the pose of the base in the world, by the latest team map.
+
+        None before anything was observed.
         """
         update = self.update
         if update is None:
@@ -126,8 +137,9 @@ class Robot:
         return Pose2(start.x_m, start.y_m, start.yaw_rad) @ map_from_start.between(update.pose)
 
     def snapshot_record(self, seq: int, body: bytes) -> SnapshotRecord:
-        """Return a snapshot together with what the robot was told last, for batches sent again after a
-        restart.
+        """Return a snapshot together with what the robot was told last.
+
+        It may send a batch again after a restart.
         """
         recent = [(s, told) for s, told in self.told.items() if s <= seq][-_IN_SNAPSHOT:]
         texts = tuple(
@@ -153,7 +165,9 @@ def robot_value(robot: Robot) -> dict[str, object] | None:
     turned = np.array([[c, -s], [s, c]])
     covariance = turned @ update.covariance[:2, :2] @ turned.T
     goal = None if update.goal_m is None else _rounded(world_from_map.transform_point(*update.goal_m))
-    path = world_from_map.transform(update.path_m.astype(np.float64)) if len(update.path_m) else []
+    path: Array = update.path_m.astype(np.float64)
+    if len(path):
+        path = world_from_map.transform(path)
     return {
         "robot_id": robot.robot_id,
         "x_m": round(world_from_base.x, 4),

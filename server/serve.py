@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import sys
 
 import uvicorn
 
@@ -32,7 +33,10 @@ def run(settings: Settings) -> None:
         ws_max_size=65_536,
         timeout_graceful_shutdown=_GRACE_S,
     )
-    uvicorn.Server(config).run()
+    server = uvicorn.Server(config)
+    server.run()
+    if not server.started:  # it has said why
+        sys.exit(1)
 
 
 async def _try_database(settings: Settings) -> None:

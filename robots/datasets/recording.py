@@ -75,7 +75,7 @@ def load_arrays(path: Path, shapes: dict[str, tuple[int | None, ...]]) -> dict[s
     except OSError as error:
         raise RecordingError(f"cannot read the recording {path}: {error.strerror or error}") from error
     except Exception as error:  # numpy and zipfile raise half a dozen kinds for a damaged file
-        raise RecordingError(f"{path} is not an intact .npz recording: {error}") from error
+        raise RecordingError(f"{path} is not an intact .npz recording; fetch it again") from error
     for name, array in arrays.items():
         if array.dtype.kind not in "fiu":
             raise RecordingError(f"{path}: array {name!r} has to hold numbers, not {array.dtype}")

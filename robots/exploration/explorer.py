@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from math import cos, hypot, sin
+from math import hypot
 
 import numpy as np
 from numpy.typing import NDArray
 
 from robots.config import AgentConfig, ConfigError
-from robots.exploration.frontiers import Frontier, find_frontiers
+from robots.exploration.frontiers import Frontier, find_frontiers, find_shut_off
+from robots.exploration.recovery import Recovery, place_ahead
 from robots.exploration.strategies import STRATEGIES
 from robots.exploration.strategy import Choice, ExplorationView
 from robots.mapping.fused import FusedGrid
 from robots.planning.following import follow
 from robots.planning.plan_grid import FREE, PlanGrid, plan_grid
-from robots.planning.travel import find_path, travel_costs
-from robots.se2 import Array, Pose2, wrap
+from robots.planning.travel import UNREACHED, find_path, travel_costs
+from robots.se2 import Array, Pose2
 from robots.types import Activity, FloatArray32, LaserScan
 
 _SAME_GOAL_M = 1.2  # a frontier this near to the old goal is what the old goal has become
@@ -24,10 +26,13 @@ _KEEP_UNLESS = 0.6  # the old goal is kept unless another costs less than this s
 _BLOCKED_S = 40.0
 _ARRIVED_M = 0.3
 _LOOK_S = 4.0  # at a goal whose frontier does not vanish: so long it is looked at before it is put aside
-_ASIDE_S = 90.0
+_ASIDE_S = 60.0
 _ASIDE_M = 0.7
 _BLOCKED_RADIUS_M = 0.35
-_BACK_OFF_S = 1.4
+_HOME_M = 1.5  # near enough to where it started: others may stand there too
+_OPEN_STEP = 5  # cost of a cell with nothing near
+_ASIDE_FROM_M, _ASIDE_TO_M = 1.0, 5.0  # how far to go to give way
+_GIVE_WAY_S = (5.0, 15.0)
 _DONE_RECHECK_S = 5.0
 
 
@@ -49,13 +54,14 @@ class Decision:
 class Explorer:
     """Goal, path and progress of one robot in its map frame."""
 
-    def __init__(self, config: AgentConfig) -> None:
+    def __init__(self, config: AgentConfig, seed: Sequence[int] = (0,)) -> None:
         if config.planning.explore not in STRATEGIES:
             known = ", ".join(sorted(STRATEGIES))
             raise ConfigError(
                 f"planning.explore: no strategy is called {config.planning.explore!r}; known are {known}"
             )
         self._config = config
+        self._rng = np.random.default_rng(seed)
         self._strategy = STRATEGIES[config.planning.explore]()
         self.explored_m2 = 0.0
         self._goal_m: tuple[float, float] | None = None
@@ -66,10 +72,10 @@ class Explorer:
         self._blocked: list[tuple[float, float, float]] = []  # x, y, until: ground that cannot be driven
         self._aside: list[tuple[float, float, float]] = []  # x, y, until: unresolved frontiers
         self._arrived_s: float | None = None
-        self._anchor_pose: Pose2 | None = None  # where progress was last seen
-        self._anchor_s = 0.0
-        self._back_off_until_s: float | None = None
-        self._recoveries = 0
+        self._recovery = Recovery(config.planning.stuck_after_s)
+        self._give_way_at: tuple[float, float] | None = None  # where somebody else seems to want to pass
+        self._giving_way_until_s: float | None = None
+        self._returning = False
         self._done = False
 
     def replan(self) -> None:
@@ -86,7 +92,7 @@ class Explorer:
     ) -> Decision:
         """Return what to do now, from the pose in the map frame and the fused map."""
         if held:
-            self._anchor_pose = None
+            self._recovery.rest()
             return Decision(0.0, 0.0, "holding", "held by an order", self._goal_m)
         recovery = self._recover(now_s, pose, bumped)
         if recovery is not None:
@@ -97,34 +103,46 @@ class Explorer:
             return Decision(0.0, 0.0, "done", self._reason)
         if self._grid is None:
             return Decision(0.0, 0.0, "starting", self._reason)
+        if self._giving_way_until_s is not None and _is_at_end(self._path, pose):
+            self._recovery.rest()
+            return Decision(0.0, 0.0, "exploring", self._reason)
         arrival = self._look_round(now_s, pose)
         if arrival is not None:
             return arrival
         linear, angular = follow(self._path, pose, self._grid, scan, self._config.body)
-        return Decision(
-            linear, angular, "exploring", self._reason, self._goal_m, self._path.astype(np.float32)
-        )
+        activity: Activity = "returning" if self._returning else "exploring"
+        return Decision(linear, angular, activity, self._reason, self._goal_m, self._path.astype(np.float32))
 
     def _plan(self, now_s: float, pose: Pose2, fused: FusedGrid) -> None:
         config = self._config
         self._planned_s = now_s
         self._blocked = [place for place in self._blocked if place[2] > now_s]
         self._aside = [place for place in self._aside if place[2] > now_s]
+        if self._giving_way_until_s is not None:
+            if now_s < self._giving_way_until_s:
+                return
+            self._giving_way_until_s = None
         grid = self._grid = self._plan_grid(fused)
         self.explored_m2 = float((grid.cells == FREE).sum()) * grid.cell_m**2
         start = grid.cell_of(pose.x, pose.y)
-        frontiers = find_frontiers(grid, travel_costs(grid, *start), config.planning.min_frontier_m)
-        frontiers = tuple(f for f in frontiers if not _near(f.goal_m, self._aside, _ASIDE_M))
+        costs = travel_costs(grid, *start)
+        if self._give_way_at is not None and self._give_way(now_s, pose, grid, costs):
+            return
+        frontiers = self._worth_going(find_frontiers(grid, costs, config.planning.min_frontier_m))
         choice = self._strategy.choose(ExplorationView(pose, frontiers))
         if choice is None and self._blocked:  # ground that was put aside is tried again before giving up
             self._blocked = []
             self._planned_s = None
             return
-        self._done = choice is None
         if choice is None:
-            self._goal_m, self._path = None, np.zeros((0, 2))
-            self._reason = "no edge of the unknown is left that I can reach"
+            shut_off = self._worth_going(find_shut_off(grid, costs, config.planning.min_frontier_m))
+            if shut_off:
+                choice = Choice(shut_off[0], "look whether the way beyond is open by now")
+        self._returning = choice is None
+        if choice is None:
+            self._go_home(pose, grid, costs)
             return
+        self._done = False
         choice = self._steady(choice, frontiers)
         cells = find_path(grid, start, choice.frontier.goal)
         if cells is None:
@@ -133,6 +151,21 @@ class Explorer:
         self._goal_m = choice.frontier.goal_m
         self._path = _points(grid, cells)
         self._reason = f"driving {choice.frontier.cost_m:.0f} m to {choice.reason}"
+
+    def _go_home(self, pose: Pose2, grid: PlanGrid, costs: NDArray[np.int32]) -> None:
+        """Nothing is left to explore: return to where the map began, out of the others' way."""
+        self._goal_m = None
+        self._reason = "no edge of the unknown is left that I can reach"
+        home = grid.cell_of(0.0, 0.0)
+        if hypot(pose.x, pose.y) > _HOME_M and grid.holds(*home) and costs[home] != UNREACHED:
+            cells = find_path(grid, grid.cell_of(pose.x, pose.y), home)
+            if cells is not None:
+                self._path, self._done = _points(grid, cells), False
+                return
+        self._path, self._done = np.zeros((0, 2)), True
+
+    def _worth_going(self, frontiers: tuple[Frontier, ...]) -> tuple[Frontier, ...]:
+        return tuple(f for f in frontiers if not _near(f.goal_m, self._aside, _ASIDE_M))
 
     def _plan_grid(self, fused: FusedGrid) -> PlanGrid:
         blocked = np.array([(x, y, _BLOCKED_RADIUS_M) for x, y, _ in self._blocked]).reshape(-1, 3)
@@ -162,7 +195,7 @@ class Explorer:
         if now_s - self._arrived_s > _LOOK_S:
             self._put_aside(goal, now_s)
             return None
-        self._anchor_pose = None
+        self._recovery.rest()
         turn = self._config.body.max_turn_radps
         return Decision(0.0, turn, "exploring", "looking round at the edge of the unknown", goal)
 
@@ -172,39 +205,64 @@ class Explorer:
         self._path = np.zeros((0, 2))
 
     def _recover(self, now_s: float, pose: Pose2, bumped: bool) -> Decision | None:
-        """Notice that driving leads nowhere, and get away.
-
-        Back off, turn away, and put the place ahead aside for a while.
-        """
-        if self._back_off_until_s is not None:
-            if now_s < self._back_off_until_s:
-                side = 1.0 if self._recoveries % 2 else -1.0
-                return Decision(-0.15, 0.6 * side, "stuck", "backing off: something holds me", self._goal_m)
-            self._back_off_until_s = None
-            self._anchor_pose, self._planned_s = None, None
-        if self._anchor_pose is None or self._done:
-            self._anchor_pose, self._anchor_s = pose, now_s
+        """Back off when driving leads nowhere, and put the place ahead aside for a while."""
+        if self._done or self._grid is None:
+            self._recovery.rest()
             return None
-        moved = (
-            self._anchor_pose.distance(pose) > 0.15 or abs(wrap(pose.theta - self._anchor_pose.theta)) > 0.5
-        )
-        if moved:
-            self._anchor_pose, self._anchor_s = pose, now_s
-            return None if not bumped else self._back_off(now_s, pose)
-        if bumped or now_s - self._anchor_s > self._config.planning.stuck_after_s:
-            return self._back_off(now_s, pose)
+        backing = self._recovery.active
+        if not backing and self._recovery.begins(now_s, pose, bumped):
+            self._note_obstruction(now_s, pose)
+        velocities = self._recovery.velocities(now_s)
+        if velocities is not None:
+            return Decision(*velocities, "stuck", "backing off: something holds me", self._goal_m)
+        if backing:
+            self._planned_s = None
         return None
 
-    def _back_off(self, now_s: float, pose: Pose2) -> Decision:
+    def _note_obstruction(self, now_s: float, pose: Pose2) -> None:
         goal = self._goal_m
         if goal is not None and hypot(goal[0] - pose.x, goal[1] - pose.y) < 2.0 * _ARRIVED_M:
             self._put_aside(goal, now_s)  # as good as there, and it cannot be had
-        ahead = self._config.body.radius_m + 0.25
-        place = (pose.x + ahead * cos(pose.theta), pose.y + ahead * sin(pose.theta))
+        place = place_ahead(pose, self._config.body.radius_m + 0.25)
         self._blocked.append((*place, now_s + _BLOCKED_S))
-        self._back_off_until_s = now_s + _BACK_OFF_S
-        self._recoveries += 1
-        return Decision(-0.15, 0.0, "stuck", "backing off: something holds me", self._goal_m)
+        if self._recovery.keeps_failing:
+            self._give_way_at = place
+
+    def _give_way(self, now_s: float, pose: Pose2, grid: PlanGrid, costs: NDArray[np.int32]) -> bool:
+        """Plan to a free place aside and wait there a while; say whether there is one.
+
+        Two robots that meet in a door block each other for ever if both only back off and come again.
+        """
+        place, self._give_way_at = self._give_way_at, None
+        self._recovery.forget()
+        if place is None:
+            return False
+        cost_m = costs / 5.0 * grid.cell_m
+        rows, columns = np.nonzero(
+            (costs != UNREACHED)
+            & (grid.steps == _OPEN_STEP)
+            & (cost_m > _ASIDE_FROM_M)
+            & (cost_m < _ASIDE_TO_M)
+        )
+        if len(rows) == 0:
+            return False
+        x = grid.origin[0] + (columns + 0.5) * grid.cell_m
+        y = grid.origin[1] + (rows + 0.5) * grid.cell_m
+        far = np.hypot(x - place[0], y - place[1])
+        choices = np.argsort(-far, kind="stable")[: max(1, len(far) // 4)]
+        at = int(choices[self._rng.integers(len(choices))])
+        cells = find_path(grid, grid.cell_of(pose.x, pose.y), (int(rows[at]), int(columns[at])))
+        if cells is None:
+            return False
+        self._path = _points(grid, cells)
+        self._goal_m = None
+        self._giving_way_until_s = now_s + float(self._rng.uniform(*_GIVE_WAY_S))
+        self._reason = "giving way: somebody may want to pass here"
+        return True
+
+
+def _is_at_end(path: Array, pose: Pose2) -> bool:
+    return len(path) == 0 or hypot(path[-1, 0] - pose.x, path[-1, 1] - pose.y) < _ARRIVED_M
 
 
 def _near(point: tuple[float, float], places: list[tuple[float, float, float]], within_m: float) -> bool:

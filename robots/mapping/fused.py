@@ -42,6 +42,20 @@ class FusedGrid:
         """Lower left corner (x, y) of cell (0, 0) in metres."""
         return self._column0 * self.resolution_m, self._row0 * self.resolution_m
 
+    def known(self) -> tuple[NDArray[np.int32], tuple[float, float]]:
+        """Return the cells cut to those known, and the corner (x, y) in metres of the first of them.
+
+        The same whatever the order in which the map grew; shape (0, 0) where nothing is known.
+        """
+        rows = np.flatnonzero(self.cells.any(axis=1))
+        columns = np.flatnonzero(self.cells.any(axis=0))
+        if not len(rows):
+            return self.cells[:0, :0], (0.0, 0.0)
+        row, column = int(rows[0]), int(columns[0])
+        cut = self.cells[row : int(rows[-1]) + 1, column : int(columns[-1]) + 1]
+        r = self.resolution_m
+        return cut, ((self._column0 + column) * r, (self._row0 + row) * r)
+
     def put(
         self,
         key: Hashable,

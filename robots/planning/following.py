@@ -38,7 +38,7 @@ def follow(
     speed = body.max_speed_mps * max(0.2, cos(error)) * max(0.3, 1.0 - abs(error))
     speed = min(speed, max(0.1, remaining * 1.5))
     if scan is not None:
-        free = free_ahead(scan, body.radius_m + 0.04)
+        free = free_ahead(scan, body.radius_m + 0.02)
         speed = min(speed, max(0.0, (free - 0.03) / _REACTION_S))
     return speed, turn
 

@@ -58,8 +58,17 @@ def plan_grid(
     factor = max(1, round(planning.cell_m / fused.resolution_m))
     cells = _coarsen(fused.cells, factor, mapping.occupied_logodds, mapping.miss_logodds)
     cell_m = fused.resolution_m * factor
-    keep_off = body.radius_m + planning.clearance_m
-    steps = _step_costs(cells, keep_off / cell_m, (body.radius_m + planning.comfort_m) / cell_m)
+    # to the centre of an occupied cell of the fine map, which begins half a cell before it
+    keep_off_m = body.radius_m + planning.clearance_m + fused.resolution_m / 2.0
+    comfort_m = body.radius_m + planning.comfort_m
+    steps = _step_costs(
+        fused.cells,
+        cells,
+        factor,
+        mapping.occupied_logodds,
+        keep_off_m / fused.resolution_m,
+        comfort_m / fused.resolution_m,
+    )
     grid = PlanGrid(cells, steps, fused.origin, cell_m)
     for x, y, radius in blocked:
         row, column = grid.cell_of(x, y)
@@ -88,31 +97,44 @@ def _coarsen(fused: NDArray[np.int32], factor: int, occupied: int, free: int) ->
 
 
 @njit(cache=True)
-def _step_costs(cells: NDArray[np.uint8], keep_off: float, comfort: float) -> NDArray[np.uint8]:
-    """Return the cost of entering each cell.
+def _step_costs(
+    fused: NDArray[np.int32],
+    cells: NDArray[np.uint8],
+    factor: int,
+    occupied: int,
+    keep_off: float,
+    comfort: float,
+) -> NDArray[np.uint8]:
+    """Cost of entering each cell: 5 in the open, up to 15 next to obstacles, 0 where the body does not fit.
 
-    5 in the open, up to 15 next to obstacles, 0 where the body does not fit.
+    Distances are measured on the fine map, in its cells: a door must not narrow by the coarse ones.
     """
     rows, columns = cells.shape
-    squared = np.full((rows, columns), _FAR * _FAR, np.int32)
-    reach = int(np.ceil(comfort))
-    for r in range(rows):
-        for c in range(columns):
-            if cells[r, c] != OCCUPIED:
+    height, width = fused.shape
+    squared = np.full((rows, columns), _FAR * _FAR, np.float32)
+    reach = int(np.ceil(comfort / factor)) + 1
+    for y in range(height):
+        for x in range(width):
+            if fused[y, x] < occupied:
                 continue
             inner = (
-                0 < r < rows - 1 and 0 < c < columns - 1
-                and cells[r - 1, c] == OCCUPIED and cells[r + 1, c] == OCCUPIED
-                and cells[r, c - 1] == OCCUPIED and cells[r, c + 1] == OCCUPIED
-            )  # fmt: skip
+                0 < y < height - 1
+                and 0 < x < width - 1
+                and fused[y - 1, x] >= occupied
+                and fused[y + 1, x] >= occupied
+                and fused[y, x - 1] >= occupied
+                and fused[y, x + 1] >= occupied
+            )
             if inner:  # the cells round it are nearer to everything free
-                squared[r, c] = 0
                 continue
-            for y in range(max(0, r - reach), min(rows, r + reach + 1)):
-                for x in range(max(0, c - reach), min(columns, c + reach + 1)):
-                    d = (y - r) * (y - r) + (x - c) * (x - c)
-                    if d < squared[y, x]:
-                        squared[y, x] = d
+            r, c = y // factor, x // factor
+            for v in range(max(0, r - reach), min(rows, r + reach + 1)):
+                dy = (v + 0.5) * factor - (y + 0.5)
+                for u in range(max(0, c - reach), min(columns, c + reach + 1)):
+                    dx = (u + 0.5) * factor - (x + 0.5)
+                    d = dx * dx + dy * dy
+                    if d < squared[v, u]:
+                        squared[v, u] = d
     steps = np.zeros((rows, columns), np.uint8)
     for r in range(rows):
         for c in range(columns):

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from robots.planning.plan_grid import FREE, PlanGrid
 
 UNREACHED = 2**31 - 1
-_LEAVE = 3  # cells round the start where the body may drive closer to obstacles than it should
+_LEAVE = 3  # cells round the start
 _BUCKETS = 32  # more than the dearest single move: 15 * 7 / 5 = 21
 
 
@@ -24,7 +24,7 @@ def travel_costs(grid: PlanGrid, row: int, column: int) -> NDArray[np.int32]:
     UNREACHED where it cannot. The start need not be passable: a robot that finds itself too close to
     something may leave.
     """
-    return np.asarray(_flood(grid.steps, grid.cells, row, column))
+    return np.asarray(_flood(grid.steps, grid.cells, row, column, _LEAVE))
 
 
 def find_path(grid: PlanGrid, start: tuple[int, int], goal: tuple[int, int]) -> NDArray[np.int32] | None:
@@ -32,29 +32,33 @@ def find_path(grid: PlanGrid, start: tuple[int, int], goal: tuple[int, int]) -> 
 
     None where there is no way.
     """
-    cells = _a_star(grid.steps, grid.cells, start[0], start[1], goal[0], goal[1])
+    cells = _a_star(grid.steps, grid.cells, start[0], start[1], goal[0], goal[1], _LEAVE)
     return cells if len(cells) else None
 
 
 @njit(cache=True)
 def _passable(
-    steps: NDArray[np.uint8], cells: NDArray[np.uint8], r: int, c: int, start_r: int, start_c: int
+    steps: NDArray[np.uint8],
+    cells: NDArray[np.uint8],
+    r: int,
+    c: int,
+    start_r: int,
+    start_c: int,
+    leave: int,
 ) -> int:
-    """Return the cost of entering a cell, 0 where that is not possible.
+    """Cost of entering a cell, 0 where it cannot be entered.
 
-    Near the start also free cells too close to an obstacle, dearly, so that the robot can leave; from where
-    the map has no free ground, any cell.
+    Near the start also free cells too close to an obstacle count, dearly, so that the robot can leave.
     """
     s = int(steps[r, c])
-    near = abs(r - start_r) <= _LEAVE and abs(c - start_c) <= _LEAVE
-    if s == 0 and near and (cells[r, c] == FREE or cells[start_r, start_c] != FREE):
+    if s == 0 and cells[r, c] == FREE and abs(r - start_r) <= leave and abs(c - start_c) <= leave:
         return 15
     return s
 
 
 @njit(cache=True)
 def _flood(
-    steps: NDArray[np.uint8], cells: NDArray[np.uint8], start_r: int, start_c: int
+    steps: NDArray[np.uint8], cells: NDArray[np.uint8], start_r: int, start_c: int, leave: int
 ) -> NDArray[np.int32]:
     rows, columns = steps.shape
     cost = np.full((rows, columns), UNREACHED, np.int32)
@@ -80,7 +84,7 @@ def _flood(
                     y, x = r + dr, c + dc
                     if (dr == 0 and dc == 0) or y < 0 or x < 0 or y >= rows or x >= columns:
                         continue
-                    s = _passable(steps, cells, y, x, start_r, start_c)
+                    s = _passable(steps, cells, y, x, start_r, start_c, leave)
                     if s == 0:
                         continue
                     new = level + (s * 7 // 5 if dr != 0 and dc != 0 else s)
@@ -100,7 +104,13 @@ def _flood(
 
 @njit(cache=True)
 def _a_star(
-    steps: NDArray[np.uint8], cells: NDArray[np.uint8], start_r: int, start_c: int, goal_r: int, goal_c: int
+    steps: NDArray[np.uint8],
+    cells: NDArray[np.uint8],
+    start_r: int,
+    start_c: int,
+    goal_r: int,
+    goal_c: int,
+    leave: int,
 ) -> NDArray[np.int32]:
     rows, columns = steps.shape
     none = np.empty((0, 2), np.int32)
@@ -125,7 +135,7 @@ def _a_star(
                 y, x = r + dr, c + dc
                 if (dr == 0 and dc == 0) or y < 0 or x < 0 or y >= rows or x >= columns:
                     continue
-                s = _passable(steps, cells, y, x, start_r, start_c)
+                s = _passable(steps, cells, y, x, start_r, start_c, leave)
                 if s == 0:
                     continue
                 new = cost[r, c] + (s * 7 // 5 if dr != 0 and dc != 0 else s)

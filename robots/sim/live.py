@@ -122,9 +122,7 @@ def play(
     stop = stop or Event()
     began = time.monotonic()
     simulation = Simulation(config)
-    clients = {
-        robot_id: client(url, mission_id, robot_id, patience_s=inf) for robot_id in config.robot_ids
-    }
+    clients = {robot_id: client(url, mission_id, robot_id, patience_s=inf) for robot_id in config.robot_ids}
     with ThreadPoolExecutor(config.robots + 1, "robot") as threads:
         ended = Event()
         threads.submit(_close_on, stop, ended, clients)

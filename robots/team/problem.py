@@ -29,6 +29,7 @@ def joint_problem(
     pairs_of: dict[str, list[IntArray]] = {key: [] for key in ("edges", "sightings")}
     priors: list[int] = []
     heading_index, headings = [], []
+    surveyed = any(starts[name] is not None for name in names)
     for name in reversed(names):  # the first robot's places of shared tags are the ones that stand
         placed = frames[name].transform(graphs[name].tags)
         for tag, place in zip(graphs[name].tag_ids, placed, strict=True):
@@ -44,7 +45,7 @@ def joint_problem(
         if len(pairs):
             pairs = np.column_stack([pairs[:, 0] + count, to_team[pairs[:, 1]]])
         pairs_of["sightings"].append(pairs)
-        if start is not None or name == names[0]:
+        if start is not None or (name == names[0] and not surveyed):
             priors.append(count)
             parts["prior_poses"].append(poses[:1] if start is None else start.pose.as_array()[None])
             sds = [_HELD_SD] * 3 if start is None else [start.sd_m, start.sd_m, start.sd_rad]

@@ -26,6 +26,8 @@ from robots.types import AgentUpdate, FloatArray32, GraphReport, SubmapReport, V
 
 _TRAIL_M = 0.25
 _FREE, _BOUND = -4, 60  # log-odds in tenths
+_STEP_M, _STEP_RAD = 0.01, 0.001  # submaps are drawn at the nearest of places so far apart: see _snapped
+_SAME_PLACE_M = 1e-9
 
 
 @dataclass(slots=True)
@@ -151,6 +153,10 @@ class TeamMap:
 
     def _draw(self) -> None:
         changed = False
+        for key in [key for key in self._unpacked if key[0] not in self._located]:
+            self._grid.drop(key)  # it was the world until somebody else was heard
+            del self._unpacked[key]
+            changed = True
         for name in sorted(self._located):
             anchors = self._anchors[name]
             for anchor, report in sorted(self._members[name].submaps.items()):
@@ -159,24 +165,27 @@ class TeamMap:
                 key = (name, anchor)
                 if key not in self._unpacked or self._unpacked[key][0] != report.version:
                     self._unpacked[key] = (report.version, unpack(report))
-                world_from_grid = Pose2.from_array(anchors[anchor]) @ report.anchor_from_grid
-                changed |= self._grid.put(key, report.version, world_from_grid, self._unpacked[key][1])
+                place = _snapped(Pose2.from_array(anchors[anchor]) @ report.anchor_from_grid)
+                changed |= self._grid.put(key, report.version, place, self._unpacked[key][1], _SAME_PLACE_M)
         self._grid_version += changed
 
     def _team_grid(self) -> TeamGrid | None:
-        if not self._grid.cells.size:
+        cells, origin = self._grid.known()
+        if not cells.size:
             return None
-        log_odds = np.clip(self._grid.cells, -_BOUND, _BOUND) / 10.0
+        log_odds = np.clip(cells, -_BOUND, _BOUND) / 10.0
         occupancy = np.round(100.0 / (1.0 + np.exp(-log_odds))).astype(np.int8)
-        occupancy[self._grid.cells == 0] = -1
-        return TeamGrid(occupancy, self._grid.origin, self._grid.resolution_m, self._grid_version)
+        occupancy[cells == 0] = -1
+        return TeamGrid(occupancy, origin, self._grid.resolution_m, self._grid_version)
 
     def _trail(self, robot_id: str) -> FloatArray32:
         anchors = self._anchors[robot_id]
+        # the anchors themselves, too: what was put in before a restart may not be known point by point
         points = sorted(
-            (seq, anchor, x, y) for (anchor, _, _), (seq, x, y) in self._members[robot_id].trail.items()
+            [(anchor, seq, x, y) for (anchor, _, _), (seq, x, y) in self._members[robot_id].trail.items()]
+            + [(anchor, -1, 0.0, 0.0) for anchor in range(len(anchors))]
         )
-        kept = [(anchor, x, y) for _, anchor, x, y in points if anchor < len(anchors)]
+        kept = [(anchor, x, y) for anchor, _, x, y in points if anchor < len(anchors)]
         if not kept:
             return np.zeros((0, 2), np.float32)
         index = np.array([anchor for anchor, _, _ in kept])
@@ -198,3 +207,15 @@ class TeamMap:
                 if victim.anchor < len(anchors)
             ]
         return merge_victims(seen)
+
+
+def _snapped(place: Pose2) -> Pose2:
+    """Return the nearest place of a lattice: a drawing stays while its submap hardly moves.
+
+    A tolerance against the last drawing would do that too, but then the map would depend on its history.
+    """
+    return Pose2(
+        round(place.x / _STEP_M) * _STEP_M,
+        round(place.y / _STEP_M) * _STEP_M,
+        round(place.theta / _STEP_RAD) * _STEP_RAD,
+    )

@@ -1,13 +1,9 @@
-"""The process that forks workers: it has everything imported and compiled, so a new worker is there in
-milliseconds.
+"""The process that forks workers: a new one is there in milliseconds, with everything imported and compiled.
 
-``multiprocessing``'s fork server would import the program's main module into every worker, and speaks to
-them over
-blocking pipes. This one loads the modules it is told, and each worker gets one end of a socket pair that
-the server's
-event loop reads. A worker ends when its socket closes, and this process ends its workers when the server is
-gone,
-however it went. Runs as ``python -c "...main(fd, agent_module, team_module)"``.
+``multiprocessing``'s fork server would import the program's main module into every worker, and speaks to them
+over blocking pipes. This one loads the modules it is told, and each worker gets one end of a socket pair that
+the server's event loop reads. A worker ends when its socket closes, and this process ends its workers when
+the server is gone, however it went. Runs as ``python -c "...main(fd, agent_module, team_module)"``.
 """
 
 from __future__ import annotations

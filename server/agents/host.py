@@ -1,9 +1,8 @@
 """One robot's agent in a process of its own, brought back whole whenever that process dies.
 
-``handle`` answers in any case: if the process is killed in between, a new one is restored from the
-snapshot, the log
-since then is replayed, and the question is asked again. The agent is a function of its log, so the answers
-are the same.
+``handle`` answers in any case: if the process is killed in between, a new one is restored from the snapshot,
+the log since then is replayed, and the question is asked again. The agent is a function of its log, so the
+answers are the same.
 """
 
 from __future__ import annotations
@@ -15,6 +14,7 @@ from typing import Protocol
 
 import structlog
 
+from db.errors import DatabaseError
 from server.agents.forkserver import AGENT
 from server.agents.frames import Kind
 from server.agents.process import ForkServer, Worker, WorkerDiedError
@@ -23,6 +23,7 @@ from server.agents.worker import TAKEN
 _CHUNK = 16  # observations per frame: few enough that a poisonous one is found soon
 _STARTING_S, _ASKING_S = 90.0, 30.0
 _POISON_DEATHS = 3
+_TROUBLE_FAILURES = 5  # in a row: more than a poisonous observation causes
 _LONGEST_PAUSE_S = 5.0
 
 log = structlog.get_logger()
@@ -62,6 +63,7 @@ class AgentHost:
         *,
         done_seq: int = -1,
         on_restart: Callable[[str], None],
+        on_trouble: Callable[[str], None],
     ) -> None:
         self.done_seq = done_seq
         self.restarts = 0
@@ -72,6 +74,8 @@ class AgentHost:
         self._config = config
         self._log = agent_log
         self._on_restart = on_restart
+        self._on_trouble = on_trouble
+        self._unclaimed: list[Answer] = []  # of a call that failed half way
         self._lock = asyncio.Lock()
         self._worker: Worker | None = None
         self._watch: asyncio.Task[None] | None = None
@@ -84,30 +88,22 @@ class AgentHost:
         return None if self._worker is None or self._worker.lost.is_set() else self._worker.pid
 
     async def handle(self, batch: Sequence[tuple[int, bytes]]) -> list[Answer]:
-        """Return what the agent makes of observations that follow the ones it has answered for, one each."""
-        answers: list[Answer] = []
-        todo, deaths = list(batch), 0
+        """Return what the agent makes of observations that follow the ones it has answered for.
+
+        One answer each, after the answers that an earlier call owes because it failed half way.
+        """
         async with self._lock:
+            todo = [record for record in batch if record[0] > self.done_seq]
             if todo and todo[0][0] > self.done_seq + 1:  # logged, but given up before it was asked
                 missing = [record async for record in self._log.observations(self.done_seq, todo[0][0] - 1)]
                 todo[:0] = missing
-            while todo:
-                chunk = todo[: _CHUNK if deaths == 0 else 1]
-                worker = await self._alive()
-                try:
-                    found = await self._ask(worker, chunk)
-                except WorkerDiedError as error:
-                    deaths += 1
-                    self._died(error)
-                    if deaths >= _POISON_DEATHS and len(chunk) == 1:
-                        todo[0] = (chunk[0][0], await self._log.record_fault(chunk[0][0], self._reason))
-                        deaths = 0
-                    continue
-                deaths, self.failures = 0, 0
-                answers += found
-                self.done_seq = chunk[-1][0]
-                del todo[: len(chunk)]
-        return answers[-len(batch) :]
+            await self._work_off(todo)
+            answers, self._unclaimed = self._unclaimed, []
+            return answers
+
+    async def unanswered(self, until: int) -> list[tuple[int, bytes]]:
+        """Return what is in the log up to a seq and has not been answered for."""
+        return [record async for record in self._log.observations(self.done_seq, until)]
 
     async def snapshot(self) -> tuple[int, bytes]:
         """Return the last observation's seq and the agent's whole state after it.
@@ -137,6 +133,26 @@ class AgentHost:
             await asyncio.gather(self._watch, return_exceptions=True)
         if self._worker is not None:
             self._worker.kill()
+
+    async def _work_off(self, todo: list[tuple[int, bytes]]) -> None:
+        """Collect an answer to each; what kills the process again and again is replaced by an empty one."""
+        deaths = 0
+        while todo:
+            chunk = todo[: _CHUNK if deaths == 0 else 1]
+            worker = await self._alive()
+            try:
+                found = await self._ask(worker, chunk)
+            except WorkerDiedError as error:
+                deaths += 1
+                self._died(error)
+                if deaths >= _POISON_DEATHS and len(chunk) == 1:
+                    todo[0] = (chunk[0][0], await self._log.record_fault(chunk[0][0], self._reason))
+                    deaths = 0
+                continue
+            deaths, self.failures = 0, 0
+            self._unclaimed += found
+            self.done_seq = chunk[-1][0]
+            del todo[: len(chunk)]
 
     async def _alive(self) -> Worker:
         """Return the process, started and brought up to date as often as it takes."""
@@ -203,6 +219,8 @@ class AgentHost:
         self.failures += 1
         self._reason = str(error).strip().splitlines()[-1]
         self._worker = None
+        if self.failures == _TROUBLE_FAILURES:
+            self._on_trouble(self._reason)
         log.warning("agent process lost", robot_id=self._robot_id, reason=str(error), failures=self.failures)
 
     async def _watch_over(self, worker: Worker) -> None:
@@ -210,7 +228,10 @@ class AgentHost:
         await worker.lost.wait()
         async with self._lock:
             if self._worker is worker:
-                await self._alive()
+                try:
+                    await self._alive()
+                except DatabaseError as error:  # the next question tries again
+                    log.warning("agent not brought back", robot_id=self._robot_id, reason=str(error))
 
 
 def _answer(seq: int, part: bytes) -> Answer:

@@ -147,8 +147,7 @@ class ForkServer:
             f"from server.agents.forkserver import main; main({theirs.fileno()}, *{self._modules!r})"
         )
         # A session of its own: Ctrl-C in the terminal reaches the server only. One BLAS thread: threads do
-        # not
-        # survive a fork.
+        # not survive a fork.
         with theirs:
             self._process = subprocess.Popen(
                 [sys.executable, "-c", code],

@@ -1,8 +1,7 @@
 """The team map of a mission in a process of its own.
 
 It is a function of the set of the robots' latest graphs, submaps and victims, so whatever happens to the
-process, a new
-one is told them all again and comes to the same map.
+process, a new one is told them all again and comes to the same map.
 """
 
 from __future__ import annotations
@@ -21,7 +20,7 @@ from robots.team import TeamUpdate
 from robots.types import AgentUpdate, GraphReport, SubmapReport, VictimEstimate
 from server.agents.forkserver import TEAM
 from server.agents.frames import Kind
-from server.agents.process import ForkServer, Worker, WorkerDiedError
+from server.agents.process import ForkServer, Worker
 
 _PERIOD_S = 0.5  # the map is solved at most this often
 _STARTING_S, _ASKING_S = 90.0, 60.0
@@ -76,8 +75,9 @@ class _Share:
 
 
 class TeamHost:
-    """Feeds the team map and passes its solutions on, at most twice a second and only when something
-    changed.
+    """Feeds the team map and passes its solutions on.
+
+    At most twice a second, only when something changed, and not before ``begin``.
     """
 
     def __init__(
@@ -87,6 +87,7 @@ class TeamHost:
         self._on_update = on_update
         self._name = name
         self._shares: dict[str, _Share] = {}
+        self._begun = asyncio.Event()
         self._changed = asyncio.Event()
         self._worker: Worker | None = None
         self._task = asyncio.create_task(self._run(), name=f"team map of {name}")
@@ -102,13 +103,18 @@ class TeamHost:
         self._changed.set()
 
     def put(self, robot_id: str, update: AgentUpdate) -> None:
-        """Take over an agent's update; only one that brings graph, submaps or victims makes the map
-        change.
+        """Take over an agent's update.
+
+        Only one that brings graph, submaps or victims makes the map change.
         """
         share = self._shares[robot_id]
         share.put(update)
         if share.changed:
             self._changed.set()
+
+    def begin(self) -> None:
+        """Solve from now on."""
+        self._begun.set()
 
     async def close(self) -> None:
         """End the process."""
@@ -119,6 +125,7 @@ class TeamHost:
 
     async def _run(self) -> None:
         failures = 0
+        await self._begun.wait()
         while True:
             await self._changed.wait()
             self._changed.clear()
@@ -126,10 +133,13 @@ class TeamHost:
             try:
                 update = await self._solve()
                 failures = 0
-            except WorkerDiedError as error:
+            except Exception as error:  # whatever it is, the map must not end for it
                 failures += 1
+                if self._worker is not None:
+                    self._worker.kill()
+                    self._worker = None
                 log.warning(
-                    "team map process lost", mission_id=self._name, reason=str(error), failures=failures
+                    "team map process lost", mission_id=self._name, reason=repr(error), failures=failures
                 )
                 self._changed.set()
                 if failures > 1:

@@ -1,8 +1,7 @@
 """What runs in a worker process: one agent or one team map, answering frames until the server is gone.
 
-This module is loaded in the fork server, before any fork; it imports ``robots`` and nothing else of the
-project's
-other packages.
+This module is loaded in the fork server, before any fork; of the project's other packages it imports
+``robots`` only.
 """
 
 from __future__ import annotations
@@ -99,8 +98,7 @@ def serve(connection: socket.socket, servant: Servant) -> int:
     """Answer frames until the server closes the connection; return the exit code.
 
     An unexpected error is told to the server and ends the process: the state may be half changed, and the
-    log brings
-    it back whole.
+    log brings it back whole.
     """
     with suppress(BrokenPipeError, ConnectionResetError):
         while (frame := receive(connection)) is not None:

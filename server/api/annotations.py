@@ -19,23 +19,18 @@ router = APIRouter(prefix="/missions/{mission_id}/annotations", tags=["annotatio
 async def get_annotations(mission: OneMission) -> AnnotationsOut:
     """Return every annotation, oldest first."""
     return AnnotationsOut(
-        annotations=[AnnotationOut(**annotation_value(item)) for item in mission.annotations.values()]
+        annotations=[AnnotationOut(**annotation_value(item)) for item in mission.annotations.all()]
     )
 
 
 @router.put("/{annotation_id}", summary="Write an annotation", operation_id="put_annotation")
 async def put_annotation(annotation_id: UUID, body: AnnotationIn, mission: OneMission) -> AnnotationOut:
     """Write or replace an annotation. The id is made by whoever writes it, so sending twice does no harm."""
-    known = mission.annotations.get(str(annotation_id))
     now = time.time()
     record = AnnotationRecord(
-        annotation_id=str(annotation_id),
-        created_unix_s=now if known is None else known.created_unix_s,
-        changed_unix_s=now,
-        **body.model_dump(),
+        annotation_id=str(annotation_id), created_unix_s=now, changed_unix_s=now, **body.model_dump()
     )
-    await mission.annotate(record)
-    return AnnotationOut(**annotation_value(record))
+    return AnnotationOut(**annotation_value(await mission.annotations.put(record)))
 
 
 @router.delete(
@@ -43,4 +38,4 @@ async def put_annotation(annotation_id: UUID, body: AnnotationIn, mission: OneMi
 )
 async def delete_annotation(annotation_id: UUID, mission: OneMission) -> None:
     """Take an annotation off the map."""
-    await mission.unannotate(str(annotation_id))
+    await mission.annotations.remove(str(annotation_id))

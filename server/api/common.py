@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 from fastapi import Depends, Path, Request
 
-from server.mission import Mission
+from server.mission.mission import Mission
 from server.missions import Missions
 from server.schemas.common import ErrorWire
 

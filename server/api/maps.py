@@ -10,7 +10,7 @@ from server.api.common import ERRORS, OneMission
 from server.errors import ApiError
 from server.graph_wire import graph_out
 from server.map_image import MapImage
-from server.mission import Mission
+from server.mission.mission import Mission
 from server.schemas.findings import GraphsOut, MapOut
 from server.sharing import map_value
 
@@ -31,8 +31,9 @@ async def get_map(mission: OneMission) -> MapOut:
     "/map.png", summary="The map", operation_id="get_map_png", response_class=Response, responses=_PNG
 )
 async def get_map_png(mission: OneMission, if_none_match: Annotated[str | None, Header()] = None) -> Response:
-    """Return the latest picture: 0 unknown (transparent), 1 free, 2 occupied; the top row has the largest
-    y.
+    """Return the latest picture: 0 unknown (transparent), 1 free, 2 occupied.
+
+    The top row has the largest y.
     """
     image = _image(mission)
     headers = {"ETag": image.etag, "Cache-Control": "no-cache"}
@@ -45,12 +46,15 @@ async def get_map_png(mission: OneMission, if_none_match: Annotated[str | None, 
 async def get_graph(mission: OneMission) -> GraphsOut:
     """Return every robot's tag graph in its own map frame."""
     graphs = [
-        graph_out(robot.robot_id, robot.graph) for robot in mission.robots.values() if robot.graph is not None
+        graph_out(robot.robot_id, robot.graph)
+        for robot in mission.roster.robots.values()
+        if robot.graph is not None
     ]
     return GraphsOut(graphs=graphs)
 
 
 def _image(mission: Mission) -> MapImage:
-    if mission.image is None:
+    image = mission.shared_map.image
+    if image is None:
         raise ApiError(404, "no_map", "There is no map yet; it comes with the first scans.")
-    return mission.image
+    return image

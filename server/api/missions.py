@@ -7,7 +7,7 @@ from typing import Annotated
 from fastapi import APIRouter, Query
 
 from server.api.common import ERRORS, AllMissions, OneMission
-from server.mission import Mission
+from server.mission.mission import Mission
 from server.schemas.missions import EventOut, EventsOut, MissionIn, MissionOut, MissionsOut, StopIn, StopOut
 from server.sharing import event_value
 
@@ -35,13 +35,13 @@ async def get_mission(mission: OneMission) -> MissionOut:
 @router.post("/{mission_id}/stop", summary="STOP robots", operation_id="stop_robots")
 async def stop_robots(body: StopIn, mission: OneMission) -> StopOut:
     """Put STOP into every reply to these robots from now on, whether their agents live or not."""
-    return StopOut(stopped=await mission.stop(body.robots, True, body.by))
+    return StopOut(stopped=await mission.stops.stop(body.robots, body.by))
 
 
 @router.post("/{mission_id}/resume", summary="Let robots go on", operation_id="resume_robots")
 async def resume_robots(body: StopIn, mission: OneMission) -> StopOut:
     """Take STOP back."""
-    return StopOut(stopped=await mission.stop(body.robots, False, body.by))
+    return StopOut(stopped=await mission.stops.resume(body.robots, body.by))
 
 
 @router.get("/{mission_id}/events", summary="What happened", operation_id="get_events")
@@ -51,16 +51,16 @@ async def get_events(
     limit: Annotated[int, Query(ge=1, le=1000, description="At most so many.")] = 200,
 ) -> EventsOut:
     """Return events, oldest first; ask again after the last event_id for more."""
-    events = await mission.events_after(after, limit)
+    events = await mission.events.after(after, limit)
     return EventsOut(events=[EventOut(**event_value(event)) for event in events])
 
 
 def _out(mission: Mission) -> MissionOut:
-    record = mission.record
+    record = mission.roster.record
     return MissionOut(
         mission_id=record.mission_id,
         name=record.name,
         state=record.state,
         created_unix_s=record.created_unix_s,
-        robots=len(mission.robots),
+        robots=len(mission.roster.robots),
     )

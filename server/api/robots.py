@@ -23,7 +23,7 @@ router = APIRouter(prefix="/missions/{mission_id}/robots", tags=["robots"], resp
 @router.get("", summary="The robots of a mission", operation_id="get_robots")
 async def get_robots(mission: OneMission) -> RobotsOut:
     """Return every robot in the order in which they registered."""
-    return RobotsOut(robots=[_out(robot) for robot in mission.robots.values()])
+    return RobotsOut(robots=[_out(robot) for robot in mission.roster.robots.values()])
 
 
 @router.post("", status_code=201, summary="Join a mission", operation_id="register_robot")
@@ -49,7 +49,7 @@ async def register_robot(body: RobotIn, mission: OneMission, response: Response)
 @router.get("/{robot_id}", summary="One robot", operation_id="get_robot")
 async def get_robot(robot_id: str, mission: OneMission) -> RobotOut:
     """Return a robot with its latest state."""
-    return _out(mission.robot(robot_id))
+    return _out(mission.roster.get(robot_id))
 
 
 @router.post("/{robot_id}/observations", summary="Send observations", operation_id="post_observations")
@@ -57,8 +57,7 @@ async def post_observations(robot_id: str, body: BatchIn, mission: OneMission) -
     """Take in a batch, ordered by seq, and answer with the next order.
 
     What was accepted is saved before the agent sees it. Known seqs are counted as duplicates and change
-    nothing;
-    a gap is refused with the seq that is expected.
+    nothing; a gap is refused with the seq that is expected.
     """
     batch = [observation_from_wire(observation) for observation in body.observations]
     return BatchOut.model_validate(await mission.ingest(robot_id, batch, body.onboard or []))

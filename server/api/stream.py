@@ -46,7 +46,7 @@ async def stream(websocket: WebSocket, mission_id: str) -> None:
                 await asyncio.sleep(_PAUSE_S)
     finally:
         listening.cancel()
-        with suppress(RuntimeError, TimeoutError):
+        with suppress(WebSocketDisconnect, RuntimeError, TimeoutError):
             await asyncio.wait_for(websocket.close(), 1.0)
 
 
@@ -56,6 +56,6 @@ async def _send(websocket: WebSocket, text: str) -> None:
 
 async def _until_closed(websocket: WebSocket) -> None:
     """Read until the other side closes; whatever it sends is of no interest."""
-    with suppress(WebSocketDisconnect, RuntimeError):
-        while True:
-            await websocket.receive_text()
+    with suppress(RuntimeError):
+        while (await websocket.receive())["type"] != "websocket.disconnect":
+            pass

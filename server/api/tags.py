@@ -7,6 +7,7 @@ from fastapi import APIRouter, Request, Response
 from robots.tags.memory import TagMemoryError
 from server.api.common import ERRORS, OneMission
 from server.errors import ApiError, unknown
+from server.schemas.common import Name
 from server.schemas.findings import TagOut, TagsOut
 
 router = APIRouter(prefix="/missions/{mission_id}/tags", tags=["tags"], responses=ERRORS)
@@ -40,7 +41,7 @@ async def get_tag(tag_id: str, mission: OneMission) -> TagOut:
 )
 async def get_memory(tag_id: str, mission: OneMission) -> Response:
     """Return the memory's bytes as far as the server knows them."""
-    memory = await mission.memory_of(tag_id)
+    memory = await mission.memories.of(tag_id)
     if memory is None:
         raise unknown("tag", tag_id)
     return Response(memory, media_type=_BYTES)
@@ -59,10 +60,10 @@ async def get_memory(tag_id: str, mission: OneMission) -> Response:
         }
     },
 )
-async def merge_memory(tag_id: str, request: Request, mission: OneMission) -> Response:
+async def merge_memory(tag_id: Name, request: Request, mission: OneMission) -> Response:
     """Merge the bytes that were read from a tag with what is known of it, and return the result."""
     try:
-        merged = await mission.merge_memory(tag_id, await request.body(), "rest")
+        merged = await mission.memories.merge(tag_id, await request.body(), "rest")
     except TagMemoryError as error:
         raise ApiError(422, "invalid_memory", f"The body is no tag memory: {error}.") from error
     return Response(merged, media_type=_BYTES)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from fastapi import APIRouter
 
 from server.api.common import ERRORS, OneMission
-from server.errors import unknown
 from server.schemas.findings import VictimIn, VictimOut, VictimsOut
 from server.sharing import victim_value
 
@@ -15,19 +14,17 @@ router = APIRouter(prefix="/missions/{mission_id}/victims", tags=["victims"], re
 @router.get("", summary="All victims", operation_id="get_victims")
 async def get_victims(mission: OneMission) -> VictimsOut:
     """Return every victim."""
-    return VictimsOut(victims=[VictimOut(**victim_value(victim)) for victim in mission.victims.values()])
+    return VictimsOut(victims=[VictimOut(**victim_value(victim)) for victim in mission.victims.all()])
 
 
 @router.get("/{victim_id}", summary="One victim", operation_id="get_victim")
 async def get_victim(victim_id: str, mission: OneMission) -> VictimOut:
     """Return a victim."""
-    if victim_id not in mission.victims:
-        raise unknown("victim", victim_id)
-    return VictimOut(**victim_value(mission.victims[victim_id]))
+    return VictimOut(**victim_value(mission.victims.get(victim_id)))
 
 
 @router.patch("/{victim_id}", summary="Judge a victim", operation_id="judge_victim")
 async def judge_victim(victim_id: str, body: VictimIn, mission: OneMission) -> VictimOut:
     """Set a victim's status; robots never change what a person said."""
-    victim = await mission.judge_victim(victim_id, body.status, body.note, body.by)
+    victim = await mission.victims.judge(victim_id, body.status, body.note, body.by)
     return VictimOut(**victim_value(victim))

@@ -61,7 +61,7 @@ class _TimedClient(RobotClient):
 
     sent: list[_Post] = []  # noqa: RUF012 - shared on purpose: one list for the whole team
 
-    def post(self, observations: Sequence[Json], onboard: Sequence[Json] | None = None) -> Json:
+    def post(self, observations: Sequence[Json] = (), onboard: Sequence[Json] | None = None) -> Json:
         """Send observations."""
         if observations:
             self.sent.append((self._robot_id, observations[-1]["stamp_s"], time.time()))

@@ -1,6 +1,4 @@
-"""A team of four for twenty minutes: how much of an office it sees, how straight, how fast; and the time of
-a step.
-"""
+"""A team of four for twenty minutes: how much of an office it sees, how straight, how fast."""
 
 from __future__ import annotations
 

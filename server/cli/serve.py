@@ -99,7 +99,7 @@ def run_server(settings: Settings) -> None:
     from db.errors import DatabaseError
     from server.serve import run
 
-    # uvicorn ends gracefully and then sends itself the signal again: it has to leave through our context managers
+    # uvicorn ends gracefully, then sends itself the signal again, which has to leave through our contexts
     before = signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))
     try:
         settings.data_dir.mkdir(parents=True, exist_ok=True)

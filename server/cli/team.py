@@ -14,6 +14,7 @@ import threading
 import time
 import urllib.request
 import webbrowser
+from collections.abc import Sequence
 from contextlib import suppress
 from types import TracebackType
 from typing import Self
@@ -25,7 +26,7 @@ _PATIENCE_S = 5.0  # for the team to end by itself before it is killed
 
 
 class SimulatedTeam:
-    """Starts the team as soon as mission control answers, and ends it on leaving.
+    """Starts the team, which waits until mission control answers, and ends it on leaving.
 
     ``arguments`` are those of ``python -m robots.sim.live`` but ``--url``. Prints the address once it can be
     opened.
@@ -49,17 +50,17 @@ class SimulatedTeam:
         self._thread.join()
 
     def _look_after(self) -> None:
-        if not self._wait_for_server():
-            return
-        print(f"Waymark is open at {self._url} (Ctrl-C ends it).", flush=True)
-        if self._open_browser:
-            webbrowser.open(self._url)
-        command = [sys.executable, "-m", "server.cli.team", "--url", self._url, *self._arguments]
+        command = [sys.executable, "-m", "server.cli.team", self._url, *self._arguments]
         # a session of its own: Ctrl-C reaches it through us, in order, and not twice
         process = subprocess.Popen(
             command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, start_new_session=True
         )
         try:
+            if not self._server_opens():
+                return
+            print(f"Waymark is open at {self._url} (Ctrl-C ends it).", flush=True)
+            if self._open_browser:
+                webbrowser.open(self._url)
             while process.poll() is None:
                 if self._leaving.wait(_LOOK_EVERY_S):
                     return
@@ -70,16 +71,16 @@ class SimulatedTeam:
         finally:
             _end(process)
 
-    def _wait_for_server(self) -> bool:
+    def _server_opens(self) -> bool:
         while not self._leaving.wait(_LOOK_EVERY_S):
-            if _answers(f"{self._url}/api/v1/health"):
+            if _answers(self._url):
                 return True
         return False
 
 
 def _answers(url: str) -> bool:
     try:
-        with urllib.request.urlopen(url, timeout=2.0) as reply:
+        with urllib.request.urlopen(f"{url}/api/v1/health", timeout=2.0) as reply:
             return bool(reply.status == 200)
     except OSError:  # not there yet, or an error status
         return False
@@ -107,15 +108,18 @@ def _end_with_parent() -> None:
     os._exit(1)
 
 
-def main() -> int:
-    """Play a live mission until it is over or the parent is gone."""
-    from robots.sim.live import main as live
-
+def main(arguments: Sequence[str]) -> int:
+    """Play a live mission on the server at the first argument until it is over or the parent is gone."""
     threading.Thread(target=_end_with_parent, daemon=True).start()
-    return live(sys.argv[1:])
+    from robots.sim.live import main as live  # takes a second, in which the server opens
+
+    url, *rest = arguments
+    while not _answers(url):
+        time.sleep(_LOOK_EVERY_S)
+    return live(["--url", url, *rest])
 
 
 if __name__ == "__main__":
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy is imported
     os.environ.setdefault("NUMBA_NUM_THREADS", "1")
-    sys.exit(main())
+    sys.exit(main(sys.argv[1:]))

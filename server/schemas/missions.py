@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import ConfigDict, Field
 
@@ -42,8 +42,10 @@ class MissionsOut(Wire):
 class SilenceWire(Wire):
     """What the robot does when it hears nothing."""
 
-    after_s: float = Field(2.0, gt=0.0, le=3600.0, description="Silence after which it does so.")
-    policy: SilencePolicy = Field("hold", description="Stand still, go on exploring, or return to the start.")
+    after_s: Annotated[float, Field(gt=0.0, le=3600.0, description="Silence after which it does so.")] = 2.0
+    policy: Annotated[
+        SilencePolicy, Field(description="Stand still, go on exploring, or return to the start.")
+    ] = "hold"
 
 
 class StartPoseWire(Wire):
@@ -105,7 +107,9 @@ class StopIn(Wire):
 
     model_config = ConfigDict(json_schema_extra={"examples": [{"robots": None, "by": "Ada"}]})
 
-    robots: list[Name] | None = Field(None, max_length=1000, description="Robot ids; null for all.")
+    robots: list[Name] | None = Field(
+        None, min_length=1, max_length=1000, description="Robot ids; null for all."
+    )
     by: Person
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Annotated, Literal
 
 from pydantic import ConfigDict, Field
+from pydantic.config import JsonDict
 
 from server.schemas.common import Base64, Name, PoseWire, Radians, Seconds, Share, Wire
 
@@ -14,7 +15,7 @@ MAX_BEAMS = 4_096
 Step = Annotated[float, Field(ge=-1000.0, le=1000.0)]
 Range = Annotated[float, Field(ge=0.0, le=10_000.0)]
 
-EXAMPLE_BATCH = {
+EXAMPLE_BATCH: JsonDict = {
     "observations": [
         {
             "seq": 0,

@@ -1,12 +1,14 @@
 """Costs and paths against SciPy's Dijkstra on random ground."""
 
+from itertools import pairwise
+
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import dijkstra
 
-from robots.planning.plan_grid import PlanGrid
+from robots.planning.plan_grid import FREE, OCCUPIED, UNKNOWN, PlanGrid
 from robots.planning.travel import UNREACHED, find_path, travel_costs
 
 LEAVE_CELLS, LEAVE_COST = 3, 15  # near the start the body may drive where it does not fit
@@ -14,20 +16,24 @@ LEAVE_CELLS, LEAVE_COST = 3, 15  # near the start the body may drive where it do
 
 @st.composite
 def grounds(draw):
-    """A grid of costs, and two cells of it."""
+    """Ground with obstacles, holes of unknown and cells too tight for the body, and two cells of it."""
     rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
     shape = tuple(rng.integers(1, 26, 2))
-    steps = rng.integers(5, 16, shape).astype(np.uint8)
-    steps[rng.random(shape) < draw(st.sampled_from([0.0, 0.2, 0.4, 0.6]))] = 0
-    cells = [(int(rng.integers(shape[0])), int(rng.integers(shape[1]))) for _ in range(2)]
-    return PlanGrid(np.ones(shape, np.uint8), steps, (0.0, 0.0), 0.1), *cells
+    cells = np.full(shape, FREE, np.uint8)
+    cells[rng.random(shape) < draw(st.sampled_from([0.0, 0.2, 0.4]))] = OCCUPIED
+    cells[rng.random(shape) < draw(st.sampled_from([0.0, 0.1]))] = UNKNOWN
+    steps = np.where(cells == FREE, rng.integers(5, 16, shape), 0).astype(np.uint8)
+    steps[rng.random(shape) < draw(st.sampled_from([0.0, 0.2, 0.4]))] = 0
+    ends = [(int(rng.integers(shape[0])), int(rng.integers(shape[1]))) for _ in range(2)]
+    return PlanGrid(cells, steps, (0.0, 0.0), 0.1), *ends
 
 
 def entering(grid: PlanGrid, start: tuple[int, int]) -> np.ndarray:
     """Cost of entering each cell straight, 0 where that is not possible."""
     rows, columns = np.indices(grid.steps.shape)
     near = np.maximum(np.abs(rows - start[0]), np.abs(columns - start[1])) <= LEAVE_CELLS
-    return np.where((grid.steps == 0) & near, LEAVE_COST, grid.steps.astype(int))
+    tight = (grid.steps == 0) & (grid.cells == FREE)
+    return np.where(tight & near, LEAVE_COST, grid.steps.astype(int))
 
 
 def move_cost(enter: int, diagonal: bool) -> int:
@@ -73,7 +79,7 @@ def test_the_path_costs_what_the_flood_says_and_is_a_way(ground):
     assert tuple(path[-1]) == goal
     enter = entering(grid, start)
     total = 0
-    for before, after in zip(path[:-1], path[1:], strict=True):
+    for before, after in pairwise(path):
         assert np.abs(after - before).max() == 1
         assert enter[tuple(after)] > 0
         total += move_cost(int(enter[tuple(after)]), bool((after != before).all()))

@@ -1,11 +1,13 @@
-"""Rooms of straight walls with an exact laser: what a scan of them must be is known to the last digit."""
+"""Rooms of straight walls with an exact laser, and random tag graphs whose truth is known."""
 
 from collections.abc import Callable
+from math import pi
 
 import numpy as np
 import pytest
 
-from robots.se2 import Pose2
+from robots.estimation.graph import GraphProblem
+from robots.se2 import Pose2, wrap_array
 from robots.types import LaserScan
 
 Scanner = Callable[..., LaserScan]
@@ -71,3 +73,69 @@ def room() -> np.ndarray:
 def corridor() -> np.ndarray:
     """Two bare walls, 2 m apart, whose ends are out of sight."""
     return np.array([[-60.0, -1.0, 60.0, -1.0], [-60.0, 1.0, 60.0, 1.0]])
+
+
+def spread(rng: np.random.Generator, count: int, size: int, sd: float) -> np.ndarray:
+    """Random covariances, (count, size, size), with correlations."""
+    roots = sd * (np.eye(size) + 0.3 * rng.standard_normal((count, size, size)))
+    return roots @ roots.transpose(0, 2, 1) + 1e-6 * np.eye(size)
+
+
+class Graphs:
+    """Random graphs and their truth."""
+
+    @staticmethod
+    def truth_of(rng: np.random.Generator, poses: int, tags: int) -> tuple[np.ndarray, np.ndarray]:
+        true_poses = np.column_stack([rng.uniform(-5, 5, (poses, 2)), rng.uniform(-pi, pi, poses)])
+        return true_poses, rng.uniform(-5, 5, (tags, 2))
+
+    @staticmethod
+    def measured(
+        rng: np.random.Generator,
+        true_poses: np.ndarray,
+        true_tags: np.ndarray,
+        noise: float = 1.0,
+        moved: float = 0.3,
+        headings: bool = True,
+    ) -> GraphProblem:
+        """A chain with a few loop closures, every tag seen twice.
+
+        ``noise`` scales what the measurements err, ``moved`` how far the initial values lie from the truth.
+        """
+        n, m = len(true_poses), len(true_tags)
+        loops = [(int(i), int(j)) for i, j in rng.integers(0, n, (3, 2)) if i != j]
+        pairs = np.array([(k, k + 1) for k in range(n - 1)] + loops, np.int64)
+        covariances = spread(rng, len(pairs), 3, 0.05)
+        true = [Pose2.from_array(pose) for pose in true_poses]
+        between = np.array([true[i].between(true[j]).as_array() for i, j in pairs])
+        errors = np.array([rng.multivariate_normal(np.zeros(3), c) for c in covariances])
+        seen = np.array([(int(rng.integers(n)), k) for k in range(m) for _ in range(2)], np.int64)
+        offsets = np.array([
+            Pose2.from_array(true_poses[i]).inverse().transform(true_tags[k][None])[0] for i, k in seen
+        ])  # fmt: skip
+        seen_covariances = spread(rng, len(seen), 2, 0.06)
+        blur = np.array([rng.multivariate_normal(np.zeros(2), c) for c in seen_covariances])
+        known = np.arange(0, n, 2) if headings else np.zeros(0, np.int64)
+        start = moved * rng.standard_normal((n, 3)) * (1.0, 1.0, 0.3)
+        start[0] = 0.0
+        return GraphProblem(
+            poses=np.column_stack([(true_poses + start)[:, :2], wrap_array((true_poses + start)[:, 2])]),
+            tags=true_tags + moved * rng.standard_normal((m, 2)),
+            edge_pairs=pairs,
+            edge_poses=between + noise * errors,
+            edge_covariances=covariances,
+            sighting_pairs=seen,
+            sighting_offsets=offsets + noise * blur,
+            sighting_covariances=seen_covariances,
+            prior_index=np.zeros(1, np.int64),
+            prior_poses=true_poses[:1],
+            prior_sds=np.full((1, 3), 0.02),
+            heading_index=known,
+            heading_rad=true_poses[known, 2] + noise * 0.03 * rng.standard_normal(len(known)),
+            heading_sd_rad=np.full(len(known), 0.03),
+        )
+
+
+@pytest.fixture
+def graphs() -> type[Graphs]:
+    return Graphs

@@ -9,10 +9,10 @@ import pytest
 from robots.config import AgentConfig
 from robots.estimation.tracking import PoseTracker
 from robots.evaluation import consistency
-from robots.se2 import Pose2, wrap, wrap_array
-from robots.sim.runner import RobotResult, run
+from robots.se2 import Pose2, wrap
 from robots.sim.scenario import ScenarioConfig
-from robots.types import DistanceTurn, ImuReading, LaserScan, WheelEncoders
+from robots.sim.simulation import Order, Simulation
+from robots.types import Command, DistanceTurn, ImuReading, LaserScan, WheelEncoders
 
 CONFIG = AgentConfig()
 PERIOD_S = 0.2
@@ -220,31 +220,47 @@ def test_a_robot_carried_away_tracks_again_where_it_was_set_down(sweep, hall, im
     assert turned < 0.03
 
 
-def displacement_errors(robot: RobotResult) -> tuple[np.ndarray, np.ndarray]:
-    """Errors (n, 3) of the displacements from tag to tag against the true poses, and their covariances."""
-    graph = robot.report.graph
-    assert graph is not None
-    ticks = np.searchsorted(robot.stamps_s, graph.stamps_s - 1e-6)
-    truths = [Pose2.from_array(robot.truths[tick]) for tick in ticks]
-    errors = []
-    for (i, j), measured in zip(graph.edge_pairs, graph.edge_poses, strict=True):
-        errors.append(measured - truths[i].between(truths[j]).as_array())
-    errors = np.array(errors)
-    errors[:, 2] = wrap_array(errors[:, 2])
-    return errors, graph.edge_covariances
+def wandered(scenario: ScenarioConfig, way_m: float) -> tuple[np.ndarray, np.ndarray]:
+    """Displacements over ``way_m`` each of a robot that turns away from walls, in the simulator.
+
+    Returns their errors (n, 3) against the true poses and the covariances the tracker gives them.
+    """
+    simulation = Simulation(scenario)
+    tracker = PoseTracker(scenario.agent_for, simulation.starts[0].theta if scenario.imu else 0.0)
+    anchor, anchor_m, turning = simulation.starts[0], 0.0, 0
+    errors, covariances = [], []
+    for _ in range(scenario.periods):
+        (batch,) = simulation.advance().values()
+        for observation in batch:
+            true = Pose2.from_array(simulation.track[observation.seq][0])
+            tracker.predict(observation.stamp_s, observation.odometry, observation.imu, observation.bumper)
+            if observation.scan is not None:
+                tracker.match(observation.scan)
+        if tracker.distance_m - anchor_m >= way_m:
+            displacement = tracker.restart()
+            error = displacement.mean.as_array() - anchor.between(true).as_array()
+            errors.append(np.append(error[:2], wrap(float(error[2]))))
+            covariances.append(displacement.covariance)
+            anchor, anchor_m = true, tracker.distance_m
+        scan = batch[-1].scan
+        assert scan is not None
+        turning = max(turning - 1, 0)
+        if not turning and (batch[-1].bumper or scan.ranges_m[90:150].min() < 0.6):
+            turning = 4 + batch[-1].seq // 4 % 7
+        command = Command(0.0, 1.2) if turning else Command(0.45, 0.1 * np.sin(simulation.clock_s / 3.0))
+        simulation.apply({"r1": Order(command)})
+    return np.array(errors), np.array(covariances)
 
 
 @pytest.mark.parametrize("imu", [False, True], ids=["wheels", "imu"])
 def test_displacements_between_tags_know_their_error(imu):
     """Noise level 3 in an office; a third of the ideal 3 to twice of it are accepted on average."""
-    errors, covariances = [], []
+    parts = []
     for seed in (1, 2):
         scenario = ScenarioConfig(
-            map="office:200", robots=1, minutes=5.0, seed=seed, noise_level=3, imu=imu, victims=0
+            map="office:200", robots=1, minutes=6.0, seed=seed, noise_level=3, imu=imu, victims=0
         )
-        found = displacement_errors(run(scenario).robots[0])
-        errors.append(found[0])
-        covariances.append(found[1])
-    nees = consistency(np.concatenate(errors), np.concatenate(covariances))
-    assert nees.samples >= 15
+        parts.append(wandered(scenario, 4.0))
+    nees = consistency(*(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))
+    assert nees.samples >= 30
     assert 1.0 < nees.average < 6.0, nees

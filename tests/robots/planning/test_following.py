@@ -1,5 +1,6 @@
 """Following a path: the command for one moment, and whole drives that arrive and touch nothing."""
 
+from dataclasses import replace
 from math import atan2, hypot, inf, nan, pi
 
 import numpy as np
@@ -60,7 +61,7 @@ def test_it_turns_towards_the_path_and_on_the_spot_when_far_off(heading, sign):
 def test_it_slows_down_towards_the_end_and_in_front_of_things():
     assert follow(AHEAD, Pose2(5.9, 4.0, 0.0), OPEN, None, BODY)[0] == pytest.approx(0.15)
     pose = Pose2(2.0, 4.0, 0.0)
-    speeds = [follow(AHEAD, pose, OPEN, scan_of([(x, 0.0)]), BODY)[0] for x in (3.0, 0.42, 0.35, 0.28)]
+    speeds = [follow(AHEAD, pose, OPEN, scan_of([(x, 0.0)]), BODY)[0] for x in (3.0, 0.42, 0.35, 0.26)]
     assert speeds[0] == BODY.max_speed_mps
     assert speeds[0] > speeds[1] > speeds[2] > speeds[3] == 0.0
 
@@ -70,6 +71,7 @@ def test_free_ahead_is_how_far_a_disc_can_be_pushed(seed):
     rng = np.random.default_rng(seed)
     ranges = rng.uniform(0.3, 6.0, 30).astype(np.float32)
     ranges[rng.integers(0, 30, 4)] = [nan, inf, 8.0, 0.01]
+    ranges[15] = 4.5  # nearly straight ahead
     scan, half_width = LaserScan(ranges, -2.0, 0.13, 8.0), 0.26
     angles = -2.0 + 0.13 * np.arange(30)
     real = np.isfinite(ranges) & (ranges > 0.02) & (ranges < 7.9)
@@ -85,6 +87,19 @@ def test_free_ahead_is_how_far_a_disc_can_be_pushed(seed):
 def test_free_ahead_sees_nothing_behind_beside_or_far():
     assert free_ahead(scan_of([(-0.5, 0.0), (1.0, 0.3), (0.0, 0.27)]), 0.26) == 8.0
     assert free_ahead(scan_of([(0.1, 0.0)]), 0.26) == 0.0
+
+
+def test_it_cuts_a_corner_only_where_the_straight_way_is_clear():
+    """Up and then right: the next points may be aimed at, unless something stands inside the bend."""
+    up = [(2.05, 4.05 + 0.1 * k) for k in range(4)]
+    path = np.array([*up, *((2.15 + 0.1 * k, 4.35) for k in range(8))])
+    pose = Pose2(2.05, 4.05, pi / 2.0)
+    _, cutting = follow(path, pose, OPEN, None, BODY)
+    steps = OPEN.steps.copy()
+    steps[OPEN.cell_of(2.25, 4.25)] = 0
+    _, careful = follow(path, pose, replace(OPEN, steps=steps), None, BODY)
+    assert cutting == -BODY.max_turn_radps
+    assert careful == pytest.approx(-2.5 * atan2(0.2, 0.3))  # the last point before the way is not clear
 
 
 WALLS = [

@@ -1,0 +1,72 @@
+"""Noticing that driving leads nowhere, and getting away from there."""
+
+from __future__ import annotations
+
+from math import cos, sin
+
+from robots.se2 import Pose2, wrap
+
+_PROGRESS_M, _PROGRESS_RAD = 0.15, 0.5
+_BACK_OFF_S = 1.4
+_BACK_OFF_MPS, _BACK_OFF_RADPS = -0.15, 0.6
+_REPEATED_S = 25.0  # stuck again so soon: backing off a little does not help here
+
+
+class Recovery:
+    """Watches progress; when there is none, backs off for a moment, turning to the left and right in turn."""
+
+    def __init__(self, stuck_after_s: float) -> None:
+        self._stuck_after_s = stuck_after_s
+        self._pose: Pose2 | None = None  # where progress was last seen
+        self._since_s = 0.0
+        self._until_s: float | None = None
+        self._times: list[float] = []
+
+    @property
+    def active(self) -> bool:
+        """Whether it is backing off now."""
+        return self._until_s is not None
+
+    def rest(self) -> None:
+        """The robot means to stand still: no progress is expected."""
+        self._pose = None
+
+    def begins(self, now_s: float, pose: Pose2, bumped: bool) -> bool:
+        """Say whether the robot has just been found stuck; it backs off from now on."""
+        if self._pose is None:
+            self._pose, self._since_s = pose, now_s
+            return False
+        turned = abs(wrap(pose.theta - self._pose.theta))
+        if self._pose.distance(pose) > _PROGRESS_M or turned > _PROGRESS_RAD:
+            self._pose, self._since_s = pose, now_s
+        elif now_s - self._since_s > self._stuck_after_s:
+            bumped = True
+        if not bumped:
+            return False
+        self._times = [time for time in self._times if now_s - time < _REPEATED_S] + [now_s]
+        self._until_s = now_s + _BACK_OFF_S
+        return True
+
+    def velocities(self, now_s: float) -> tuple[float, float] | None:
+        """Return the velocities (m/s, rad/s) of backing off; None once it is over."""
+        if self._until_s is None:
+            return None
+        if now_s >= self._until_s:
+            self._until_s, self._pose = None, None
+            return None
+        side = 1.0 if len(self._times) % 2 else -1.0
+        return _BACK_OFF_MPS, side * _BACK_OFF_RADPS
+
+    @property
+    def keeps_failing(self) -> bool:
+        """Whether the robot got stuck more than once lately: probably something else wants to pass here too."""
+        return len(self._times) > 1
+
+    def forget(self) -> None:
+        """Begin to count anew."""
+        self._times = []
+
+
+def place_ahead(pose: Pose2, distance_m: float) -> tuple[float, float]:
+    """Return the point (x, y) so far ahead of the robot."""
+    return pose.x + distance_m * cos(pose.theta), pose.y + distance_m * sin(pose.theta)

@@ -1,0 +1,52 @@
+"""Whether robots are heard: live, late or lost."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+
+from server.mission.events import Events
+from server.mission.roster import Roster
+from server.robot import Link, Robot
+from server.settings import Settings
+
+_LOOK_EVERY_S = 0.5
+
+
+class Links:
+    """Watches how long robots have been silent."""
+
+    def __init__(self, roster: Roster, events: Events, settings: Settings) -> None:
+        self._roster = roster
+        self._events = events
+        self._late_after_s = settings.late_after_s
+        self._lost_after_s = settings.lost_after_s
+
+    async def heard(self, robot: Robot) -> None:
+        """Take note that a robot was heard just now."""
+        robot.heard_unix_s, robot.heard_at_s = time.time(), time.monotonic()
+        await self._set(robot, "live")
+
+    async def watch(self) -> None:
+        """Look at all robots again and again, until cancelled."""
+        while True:
+            await asyncio.sleep(_LOOK_EVERY_S)
+            for robot in list(self._roster.robots.values()):
+                silence_s = time.monotonic() - robot.heard_at_s
+                if robot.update is None or robot.link == "lost":
+                    continue
+                if silence_s > self._lost_after_s:
+                    await self._set(robot, "lost")
+                elif silence_s > self._late_after_s:
+                    await self._set(robot, "late")
+
+    async def _set(self, robot: Robot, link: Link) -> None:
+        before, robot.link = robot.link, link
+        if before == link:
+            return
+        self._roster.publish([robot])
+        if link == "lost":
+            text = f"{robot.robot_id} is lost: nothing heard for {self._lost_after_s:.0f} s."
+            await self._events.tell("robot_lost", text, robot.robot_id, "warning")
+        elif link == "live" and before == "lost" and robot.update is not None:
+            await self._events.tell("robot_heard", f"{robot.robot_id} is heard again.", robot.robot_id)

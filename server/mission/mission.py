@@ -1,0 +1,237 @@
+"""A mission while it runs, and the one way through it: saved, thought about, saved, shown, answered.
+
+What else a mission has is in the modules beside this one, each a part of ``Mission``.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import structlog
+
+from db.errors import DatabaseError
+from db.records import MissionRecord, ObservationRecord, RobotRecord
+from db.store import Store
+from robots import codec
+from robots.team import TeamGrid
+from robots.types import AgentUpdate, Observation
+from server.agents.host import Answer
+from server.agents.process import ForkServer
+from server.board import Board
+from server.differences import differences
+from server.errors import ApiError
+from server.mission.annotations import Annotations
+from server.mission.events import Events
+from server.mission.links import Links
+from server.mission.memories import Memories
+from server.mission.recovery import Recovery
+from server.mission.replies import fresh_of, reply_to
+from server.mission.roster import Roster
+from server.mission.shared_map import SharedMap
+from server.mission.stops import Stops
+from server.mission.tasks import Tasks
+from server.mission.victims import Victims
+from server.robot import Robot
+from server.schemas.observations import OnboardWire
+from server.settings import Settings
+
+log = structlog.get_logger()
+
+
+class Mission:
+    """One mission. ``board`` is what everybody sees; ``on_grid`` is told of every new fused map."""
+
+    def __init__(
+        self,
+        record: MissionRecord,
+        store: Store,
+        forks: ForkServer,
+        settings: Settings,
+        on_grid: Callable[[str, TeamGrid], None],
+    ) -> None:
+        mission_id = record.mission_id
+        self.mission_id = mission_id
+        self.board = Board()
+        self.events = Events(store, mission_id, self.board)
+        self.annotations = Annotations(store, mission_id, self.board)
+        self.victims = Victims(store, mission_id, self.board, self.events)
+        self.memories = Memories(store, mission_id, self.events)
+        self._tasks = Tasks(mission_id)
+        self.roster = Roster(record, store, forks, self.board, self.events, self._tasks)
+        self.stops = Stops(store, self.roster, self.events)
+        self.shared_map = SharedMap(store, forks, self.board, self.roster, self.victims, on_grid)
+        self._links = Links(self.roster, self.events, settings)
+        self._recovery = Recovery(store, self.roster, self.shared_map, self.memories, self._tasks, settings)
+        self._store = store
+        self._settings = settings
+        self._tasks.spawn(self._links.watch())
+
+    def begin(self) -> None:
+        """Begin as a new mission."""
+        self.shared_map.begin()
+
+    async def restore(self) -> None:
+        """Begin where the database says that it stood; the agents catch up in the background."""
+        await self.events.restore()
+        await self.annotations.restore()
+        await self.victims.restore()
+        await self.shared_map.restore()
+        await self._recovery.restore()
+
+    async def close(self) -> None:
+        """End the processes of all agents and of the team map."""
+        await self._tasks.close()
+        await asyncio.gather(self.shared_map.close(), self.roster.close())
+
+    async def register(self, record: RobotRecord) -> tuple[Robot, bool]:
+        """Add a robot, or let it join again with the same words; say whether it is new.
+
+        Raises:
+            ApiError: a robot of that name registered otherwise.
+        """
+        robot, is_new = await self.roster.register(record)
+        if is_new:
+            self.shared_map.add(robot)
+            await self.events.tell("robot_joined", f"{robot.robot_id} joined the mission.", robot.robot_id)
+        return robot, is_new
+
+    async def ingest(
+        self, robot_id: str, batch: Sequence[Observation], onboard: Sequence[OnboardWire]
+    ) -> dict[str, Any]:
+        """Take in observations, in the order of their seq, and return the reply of the wire.
+
+        Raises:
+            ApiError: a gap, stamps that run backwards, or too much waiting already, and nothing is kept
+                then; or the agent takes too long, and everything is kept.
+        """
+        robot = self.roster.get(robot_id)
+        if robot.waiting + len(batch) > self._settings.max_waiting:
+            if robot.stopped:
+                return reply_to(robot, batch, 0, 0, [])
+            text = f"The agent of {robot_id} is behind; send again in a second."
+            raise ApiError(503, "busy", text, retry_after_s=1)
+        robot.waiting += len(batch)
+        fresh: list[Observation] = []
+        try:
+            async with robot.arriving:
+                fresh = fresh_of(robot, batch)
+                if fresh:
+                    await self._accept(robot, fresh)
+                elif robot.thought is not None and _failed(robot.thought):
+                    robot.thought = self._tasks.spawn(self._think(robot, None))
+                thought = robot.thought
+            if fresh:
+                await self._links.heard(robot)
+            if thought is not None:  # also for a batch that came before: its answer may not be there yet
+                await self._answered(robot, thought)
+        except DatabaseError:
+            if not robot.stopped:
+                raise
+            return reply_to(
+                robot, batch, 0, len(batch) - len(fresh), []
+            )  # not accepted, but STOP all the same
+        finally:
+            robot.waiting -= len(batch)
+        found = differences(robot, onboard)
+        if onboard:
+            await self._tell_difference(robot, found)
+        return reply_to(robot, batch, len(fresh), len(batch) - len(fresh), found)
+
+    async def _accept(self, robot: Robot, fresh: list[Observation]) -> None:
+        """Save observations, and only then let the agent think about them."""
+        now = time.time()
+        bodies = [codec.encode(observation) for observation in fresh]
+        records = [
+            ObservationRecord(observation.seq, observation.stamp_s, now, body)
+            for observation, body in zip(fresh, bodies, strict=True)
+        ]
+        await self._store.log.append_observations(self.mission_id, robot.robot_id, records)
+        robot.next_seq = fresh[-1].seq + 1
+        robot.last_stamp_s = fresh[-1].stamp_s
+        robot.battery = next((o.battery for o in reversed(fresh) if o.battery is not None), robot.battery)
+        robot.thought = self._tasks.spawn(
+            self._think(robot, [(record.seq, record.body) for record in records])
+        )
+        await self.memories.keep_read(robot.robot_id, fresh)
+
+    async def _answered(self, robot: Robot, thought: asyncio.Task[None]) -> None:
+        """Wait until the agent has answered; a stopped robot has its STOP at once, whatever its agent does.
+
+        Raises:
+            ApiError: it takes too long.
+        """
+        give_up_s = time.monotonic() + self._settings.reply_s
+        while True:
+            done, _ = await asyncio.wait({thought}, timeout=self._settings.stop_reply_s)
+            if robot.stopped:
+                return
+            if done:
+                thought.result()
+                return
+            if time.monotonic() > give_up_s:
+                text = (
+                    f"The observations of {robot.robot_id} are saved, but its agent is not done with them;"
+                    " send them again for its order."
+                )
+                raise ApiError(503, "agent_busy", text, retry_after_s=1)
+
+    async def _think(self, robot: Robot, records: list[tuple[int, bytes]] | None) -> None:
+        """Have the agent answer to observations; None for what has no answer, after a thought that failed."""
+        async with robot.thinking:
+            if records is None:
+                records = await robot.host.unanswered(robot.next_seq - 1)
+            answers = await robot.host.handle(records)
+            before = robot.update
+            updates = [self._take(robot, answer) for answer in answers]
+            made = [update for update in updates if update is not None]
+            await self._save(robot, made)
+            self.roster.publish([robot])
+            await self._tell_activity(robot, before)
+            self._recovery.snapshot_when_due(robot)
+
+    def _take(self, robot: Robot, answer: Answer) -> AgentUpdate | None:
+        if answer.update is None:
+            log.warning("refused by the agent", robot_id=robot.robot_id, seq=answer.seq, reason=answer.reason)
+            return None
+        update = codec.decode(answer.update, AgentUpdate)
+        robot.take(update)
+        self.shared_map.put(robot, update)
+        return update
+
+    async def _save(self, robot: Robot, updates: list[AgentUpdate]) -> None:
+        """Save what the agent made of the log; were it lost, the log brings it back."""
+        graphs = [update.graph for update in updates if update.graph is not None]
+        if graphs:
+            try:
+                await self._store.graphs.record_graph(self.mission_id, robot.robot_id, graphs[-1])
+            except DatabaseError as error:
+                log.error("a graph could not be saved", robot_id=robot.robot_id, reason=str(error))
+        writes = [write for update in updates for write in update.command.writes]
+        await self.memories.keep_written(robot.robot_id, writes)
+
+    async def _tell_activity(self, robot: Robot, before: AgentUpdate | None) -> None:
+        after = robot.update
+        if after is None or before is None or after.activity == before.activity:
+            return
+        if after.activity == "stuck":
+            text = f"{robot.robot_id} is stuck: {after.reason}."
+            await self.events.tell("stuck", text, robot.robot_id, "warning")
+        if after.activity == "done":
+            await self.events.tell("done", f"{robot.robot_id} is done: {after.reason}.", robot.robot_id)
+
+    async def _tell_difference(self, robot: Robot, found: list[dict[str, Any]]) -> None:
+        """Tell of the first of a row of batches in which the agent on board differs."""
+        differed, robot.differs = robot.differs, bool(found)
+        if found and not differed:
+            first = found[0]
+            text = (
+                f"{robot.robot_id} decided otherwise on board at observation {first['seq']}: {first['what']}."
+            )
+            await self.events.tell("onboard_differs", text, robot.robot_id, "warning")
+
+
+def _failed(thought: asyncio.Task[None]) -> bool:
+    return thought.done() and not thought.cancelled() and thought.exception() is not None

@@ -1,0 +1,136 @@
+"""The robots of a mission: how they join, and how they stand on the board."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Iterable
+from dataclasses import replace
+
+import structlog
+
+from db.records import MissionRecord, RobotRecord
+from db.store import Store
+from server.agents.host import AgentHost
+from server.agents.process import ForkServer
+from server.board import Board
+from server.errors import ApiError, unknown
+from server.mission.events import Events
+from server.mission.tasks import Tasks
+from server.robot import Robot, RobotLog, robot_value
+
+log = structlog.get_logger()
+
+
+class Roster:
+    """The robots by id. ``record`` is the mission's own, ``stopped_all`` in it meant for robots to come."""
+
+    def __init__(
+        self,
+        record: MissionRecord,
+        store: Store,
+        forks: ForkServer,
+        board: Board,
+        events: Events,
+        tasks: Tasks,
+    ) -> None:
+        self.record = record
+        self.robots: dict[str, Robot] = {}
+        self._store = store
+        self._forks = forks
+        self._board = board
+        self._events = events
+        self._tasks = tasks
+        self._registering = asyncio.Lock()
+        self.publish()
+
+    def get(self, robot_id: str) -> Robot:
+        """Return a robot.
+
+        Raises:
+            ApiError: there is none of that name.
+        """
+        if robot_id not in self.robots:
+            raise unknown("robot", robot_id)
+        return self.robots[robot_id]
+
+    async def register(self, record: RobotRecord) -> tuple[Robot, bool]:
+        """Save and add a robot, or let it join again with the same words; say whether it is new.
+
+        Raises:
+            ApiError: a robot of that name registered otherwise.
+        """
+        async with self._registering:
+            known = self.robots.get(record.robot_id)
+            if known is not None:
+                if known.record.registration() != record.registration():
+                    raise ApiError(
+                        409,
+                        "robot_differs",
+                        f"Robot {record.robot_id!r} registered otherwise;"
+                        " repeat its words or take another name.",
+                        "robot_id",
+                    )
+                return known, False
+            record = replace(record, stopped=self.record.stopped_all)
+            await self._store.missions.register_robot(record)
+            robot = self.add(record, done_seq=-1)
+            if self.record.stopped_all != record.stopped:  # STOP for all came while it was being saved
+                robot.set_stopped(self.record.stopped_all)
+                await self._store.missions.record_stop(
+                    self.record.mission_id, [record.robot_id], stopped=robot.stopped, all_=robot.stopped
+                )
+            return robot, True
+
+    def add(self, record: RobotRecord, done_seq: int) -> Robot:
+        """Add a robot that is saved and whose log ends at ``done_seq``."""
+        robot_id = record.robot_id
+
+        def restarted(reason: str) -> None:
+            log.warning("agent restarted", robot_id=robot_id, reason=reason)
+            text = f"The agent of {robot_id} was restarted; nothing is lost."
+            self._tasks.spawn(self._events.tell("agent_restarted", text, robot_id, "warning"))
+
+        def in_trouble(reason: str) -> None:
+            text = (
+                f"The agent of {robot_id} does not start: {reason}. What {robot_id} sends is kept,"
+                " and it is tried again and again."
+            )
+            self._tasks.spawn(self._events.tell("agent_down", text, robot_id, "alarm"))
+
+        host = AgentHost(
+            self._forks,
+            robot_id,
+            record.config,
+            RobotLog(self._store, record.mission_id, robot_id),
+            done_seq=done_seq,
+            on_restart=restarted,
+            on_trouble=in_trouble,
+        )
+        robot = Robot(record, host, next_seq=done_seq + 1, stopped=record.stopped)
+        robot.located = record.start_pose is not None
+        self.robots[robot_id] = robot
+        self.publish()
+        return robot
+
+    def publish(self, robots: Iterable[Robot] = ()) -> None:
+        """Put robots, and the mission with its clock, on the board."""
+        values = {f"robot/{robot.robot_id}": robot_value(robot) for robot in robots}
+        stamps = [robot.last_stamp_s for robot in self.robots.values() if robot.last_stamp_s is not None]
+        mission = {
+            "mission_id": self.record.mission_id,
+            "name": self.record.name,
+            "state": self.record.state,
+            "created_unix_s": self.record.created_unix_s,
+            "clock_s": max(stamps, default=0.0),
+            "stopped_all": self.record.stopped_all,
+        }
+        self._board.publish({key: value for key, value in values.items() if value is not None})
+        self._board.publish({"mission": mission})
+
+    def absent(self) -> set[str]:
+        """Return the robots with a log whose agents have not said anything since the server started."""
+        return {name for name, robot in self.robots.items() if robot.update is None and robot.next_seq > 0}
+
+    async def close(self) -> None:
+        """End the processes of all agents."""
+        await asyncio.gather(*(robot.host.close() for robot in self.robots.values()))

@@ -1,0 +1,262 @@
+"""Mission control on a free port with its real agents, and a real robot's log to send to it."""
+
+from __future__ import annotations
+
+import itertools
+import json
+import socket
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import httpx
+import pytest
+import uvicorn
+from websockets.sync.client import ClientConnection, connect
+
+from robots.agent import RobotAgent, merge_commands
+from robots.config import AgentConfig, override
+from robots.sim.scenario import ScenarioConfig
+from robots.sim.simulation import Order, Simulation
+from robots.sim.wire import command_to_wire, observation_to_wire, pose_to_wire
+from robots.types import AgentUpdate, Observation
+from server.app import create_app
+from server.missions import Missions
+from server.settings import Settings
+
+Json = dict[str, Any]
+CONFIG: Json = {"deployment": {"spacing_m": 2.0, "rate_per_m": 3.0}}
+START: Json = {"x_m": 5.0, "y_m": 1.0, "yaw_rad": 0.0, "sd_m": 0.05, "sd_rad": 0.01}
+_SECONDS = 24
+_numbers = itertools.count(1)
+
+
+@dataclass(frozen=True)
+class Drive:
+    """What a robot of the simulator observed, and what an agent that is never interrupted makes of it."""
+
+    batches: tuple[tuple[Observation, ...], ...]
+    updates: tuple[tuple[AgentUpdate, ...], ...]
+    agent: RobotAgent
+
+    @cached_property
+    def wires(self) -> list[list[Json]]:
+        return [[observation_to_wire(observation) for observation in batch] for batch in self.batches]
+
+    def expected(self, batch: int) -> Json:
+        """The pose and command of the reply to a batch."""
+        updates = self.updates[batch]
+        command = command_to_wire(merge_commands(updates))
+        return {"pose": pose_to_wire(updates[-1].pose), "command": command}
+
+
+@pytest.fixture(scope="session")
+def drive() -> Drive:
+    """A robot alone in a small office: it drops tags, writes into one, and sees victims."""
+    config = override(AgentConfig(), CONFIG)
+    simulation = Simulation(ScenarioConfig(map="office:60", robots=1, seed=4, victims=3, agent_config=config))
+    agent = RobotAgent("r1", config)
+    batches, updates = [], []
+    for _ in range(_SECONDS * 5):
+        batch = simulation.advance()["r1"]
+        made = tuple(agent.step(observation) for observation in batch)
+        batches.append(batch)
+        updates.append(made)
+        simulation.apply({"r1": Order(merge_commands(made))})
+    return Drive(tuple(batches), tuple(updates), agent)
+
+
+class Line:
+    """One mission on a server, with a robot r1 as most tests have it."""
+
+    words: Json = {"config": CONFIG, "start_pose": START}
+
+    def __init__(self, control: Control, mission_id: str) -> None:
+        self.control = control
+        self.mission_id = mission_id
+        self.at = f"/missions/{mission_id}"
+
+    def call(self, method: str, path: str, body: object = None, **more: Any) -> httpx.Response:
+        return self.control.call(method, self.at + path, body, **more)
+
+    def get(self, path: str = "") -> Json:
+        response = self.call("GET", path)
+        assert response.status_code == 200, response.text
+        found: Json = response.json()
+        return found
+
+    def register(self, robot_id: str = "r1", **words: Any) -> httpx.Response:
+        return self.call("POST", "/robots", {"robot_id": robot_id, **words})
+
+    def refused(
+        self, method: str, path: str, body: object = None, **more: Any
+    ) -> tuple[int, str, str | None]:
+        """The status, code and field of a refusal, whose message is a sentence."""
+        response = self.call(method, path, body, **more)
+        error = response.json()["error"]
+        assert response.json().keys() == {"error"}
+        assert error.keys() == {"code", "message", "field"}
+        assert error["message"].endswith("."), error
+        return response.status_code, error["code"], error["field"]
+
+    def refused_post(self, observations: object, **more: Any) -> tuple[int, str, str | None]:
+        return self.refused("POST", "/robots/r1/observations", {"observations": observations, **more})
+
+    def post(self, observations: list[Json], robot_id: str = "r1", **more: Any) -> httpx.Response:
+        return self.call("POST", f"/robots/{robot_id}/observations", {"observations": observations, **more})
+
+    def send(self, observations: list[Json], robot_id: str = "r1", **more: Any) -> Json:
+        response = self.post(observations, robot_id, **more)
+        assert response.status_code == 200, response.text
+        reply: Json = response.json()
+        return reply
+
+    def events(self, kind: str) -> list[Json]:
+        return [event for event in self.get("/events?limit=1000")["events"] if event["kind"] == kind]
+
+    def agent_pid(self, robot_id: str = "r1") -> int | None:
+        return self.control.missions.get(self.mission_id).roster.get(robot_id).host.pid
+
+    def team_pid(self) -> int | None:
+        return self.control.missions.get(self.mission_id).shared_map.pid
+
+    @contextmanager
+    def stream(self, **more: Any) -> Iterator[Stream]:
+        url = f"ws://127.0.0.1:{self.control.port}/api/v1{self.at}/stream"
+        with connect(url, max_size=None, compression=None, **more) as connection:
+            yield Stream(connection)
+
+
+class Stream:
+    """A board as it is seen through the stream."""
+
+    def __init__(self, connection: ClientConnection) -> None:
+        self._connection = connection
+        first = json.loads(connection.recv(timeout=5))
+        assert first["type"] == "snapshot"
+        self.state: Json = first["state"]
+
+    def next(self) -> Json:
+        message: Json = json.loads(self._connection.recv(timeout=5))
+        assert message["type"] == "changes"
+        self.state |= message["set"]
+        for key in message["delete"]:
+            self.state.pop(key)
+        return message
+
+    def kind(self, kind: str) -> list[Json]:
+        return [value for key, value in self.state.items() if key.startswith(f"{kind}/")]
+
+    def until(self, condition: Callable[[Stream], object], seconds: float = 15.0) -> Json:
+        """The state once the condition holds."""
+        deadline = time.monotonic() + seconds
+        while not condition(self):
+            assert time.monotonic() < deadline, sorted(self.state)
+            self.next()
+        return self.state
+
+
+class Control:
+    """A server in a thread of its own, with the settings given; ``start`` and ``stop`` as often as needed."""
+
+    def __init__(self, folder: Path, **settings: Any) -> None:
+        self.settings = Settings(data_dir=folder, **settings)
+        self.port = 0
+        self.missions: Missions
+        self._server: uvicorn.Server
+        self._thread: threading.Thread
+        self._client: httpx.Client
+
+    def start(self) -> None:
+        self._app = create_app(self.settings)
+        config = uvicorn.Config(
+            self._app, log_level="critical", ws_per_message_deflate=False, timeout_graceful_shutdown=1
+        )
+        self._server = uvicorn.Server(config)
+        listening = socket.create_server(("127.0.0.1", 0))
+        self.port = listening.getsockname()[1]
+        self._thread = threading.Thread(target=self._server.run, args=([listening],))
+        self._thread.start()
+        self._client = httpx.Client(base_url=f"http://127.0.0.1:{self.port}/api/v1", timeout=30.0)
+        wait_until(lambda: self._server.started or not self._thread.is_alive())
+        self.missions = self._app.state.missions
+
+    def stop(self) -> None:
+        if self._server.should_exit:
+            return
+        self._client.close()
+        self._server.should_exit = True
+        self._thread.join(timeout=20)
+        assert not self._thread.is_alive(), "the server did not stop"
+
+    def call(self, method: str, path: str, body: object = None, **more: Any) -> httpx.Response:
+        return self._client.request(method, path, json=body, **more)
+
+    def open(self, mission_id: str | None = None) -> Line:
+        """A new mission."""
+        mission_id = mission_id or f"m{next(_numbers)}"
+        response = self.call("POST", "/missions", {"name": mission_id.upper(), "mission_id": mission_id})
+        assert response.status_code == 201, response.text
+        return Line(self, mission_id)
+
+
+@pytest.fixture(scope="session")
+def control(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Control]:
+    """The server that most tests share; each opens a mission of its own."""
+    control = Control(tmp_path_factory.mktemp("control"))
+    control.start()
+    yield control
+    control.stop()
+
+
+@pytest.fixture
+def make_control() -> Iterator[Callable[..., Control]]:
+    """A function that starts a server on a folder with settings; all are stopped at the end."""
+    made: list[Control] = []
+
+    def make(folder: Path, **settings: Any) -> Control:
+        made.append(Control(folder, **settings))
+        made[-1].start()
+        return made[-1]
+
+    yield make
+    for control in made:
+        control.stop()
+
+
+@pytest.fixture
+def line(control: Control) -> Line:
+    """A mission with one robot, r1, that has not sent anything."""
+    line = control.open()
+    assert line.register(**line.words).status_code == 201
+    return line
+
+
+@pytest.fixture(scope="session")
+def driven(control: Control, drive: Drive) -> Line:
+    """A mission whose robot has driven the whole drive. Tests leave it as it is."""
+    line = control.open("driven")
+    line.register(**line.words)
+    for wires in drive.wires:
+        line.send(wires)
+    with line.stream() as stream:
+        stream.until(lambda s: "map" in s.state and s.kind("victim"))
+        stream.until(lambda s: len(s.kind("tag")) == len(drive.agent.report().graph.tag_ids))
+    return line
+
+
+@pytest.fixture(name="wait_until")
+def _wait_until() -> Callable[..., None]:
+    return wait_until
+
+
+def wait_until(condition: Callable[[], object], seconds: float = 15.0) -> None:
+    deadline = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < deadline, "it did not happen in time"
+        time.sleep(0.02)
