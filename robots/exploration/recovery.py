@@ -59,7 +59,7 @@ class Recovery:
 
     @property
     def keeps_failing(self) -> bool:
-        """Whether the robot got stuck more than once lately: probably something else wants to pass here too."""
+        """Whether it got stuck more than once lately: probably something else wants to pass here too."""
         return len(self._times) > 1
 
     def forget(self) -> None:

@@ -48,10 +48,12 @@ def _passable(
 ) -> int:
     """Cost of entering a cell, 0 where it cannot be entered.
 
-    Near the start also free cells too close to an obstacle count, dearly, so that the robot can leave.
+    Near the start also free cells too close to an obstacle count, dearly, so that the robot can leave. Where
+    even the start is not free, the map is wrong about the place the robot stands on, and any cell counts.
     """
     s = int(steps[r, c])
-    if s == 0 and cells[r, c] == FREE and abs(r - start_r) <= leave and abs(c - start_c) <= leave:
+    may_leave = cells[r, c] == FREE or cells[start_r, start_c] != FREE
+    if s == 0 and may_leave and abs(r - start_r) <= leave and abs(c - start_c) <= leave:
         return 15
     return s
 

@@ -24,14 +24,13 @@ from robots.config import AgentConfig
 from robots.sim.arguments import add_scenario_arguments, scenario_from_arguments
 from robots.sim.pilots import Agent, AgentFactory, Merge, Pilot, is_cut
 from robots.sim.runner import mission_score, radio
-from robots.sim.scenario import RadioCut, ScenarioConfig, ScenarioError
+from robots.sim.scenario import START_SD_M, START_SD_RAD, RadioCut, ScenarioConfig, ScenarioError
 from robots.sim.score import Score
 from robots.sim.simulation import Order, Simulation
 from robots.sim.wire import Json, command_from_wire, command_to_wire, observation_to_wire, pose_to_wire
 from robots.sim.world import WorldError
 from robots.types import Command, Observation
 
-_START_SD_M, _START_SD_RAD = 0.05, 0.02  # how well the starts are surveyed
 _BEHIND_S = 1.0  # a mission that falls further behind its clock does not hurry after it
 
 
@@ -108,7 +107,7 @@ def play(
     progress: Callable[[Simulation], None] | None = None,
     agent_factory: AgentFactory = RobotAgent,
     merge: Merge = merge_commands,
-    client: type[RobotClient] = RobotClient,
+    client_type: type[RobotClient] = RobotClient,
 ) -> LiveResult:
     """Play a scenario on a server, ``speed`` times as fast as real time (0: as fast as it answers).
 
@@ -122,7 +121,9 @@ def play(
     stop = stop or Event()
     began = time.monotonic()
     simulation = Simulation(config)
-    clients = {robot_id: client(url, mission_id, robot_id, patience_s=inf) for robot_id in config.robot_ids}
+    clients = {
+        robot_id: client_type(url, mission_id, robot_id, patience_s=inf) for robot_id in config.robot_ids
+    }
     with ThreadPoolExecutor(config.robots + 1, "robot") as threads:
         ended = Event()
         threads.submit(_close_on, stop, ended, clients)
@@ -188,7 +189,7 @@ def _register(simulation: Simulation, clients: dict[str, RobotClient], name: str
     for start, (robot_id, client) in zip(simulation.starts, clients.items(), strict=True):
         reply = client.register(
             agent=config.agent,
-            start_pose={**pose_to_wire(start), "sd_m": _START_SD_M, "sd_rad": _START_SD_RAD},
+            start_pose={**pose_to_wire(start), "sd_m": START_SD_M, "sd_rad": START_SD_RAD},
             silence={"after_s": config.silence.after_s, "policy": config.silence.policy},
             config=changes(config.agent_for, AgentConfig()),
         )

@@ -20,6 +20,7 @@ from robots.sim.world import World
 
 ODOMETRY_HZ = 20
 MAX_ROBOTS = 100
+START_SD_M, START_SD_RAD = 0.05, 0.02  # how well the starts are surveyed
 
 
 class ScenarioError(ValueError):

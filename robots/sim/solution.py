@@ -11,10 +11,9 @@ from robots.evaluation import EvaluationError, absolute_error
 from robots.outputs import write_team, write_trajectories
 from robots.se2 import Pose2
 from robots.sim.runner import RobotResult, SimulationResult
+from robots.sim.scenario import START_SD_M, START_SD_RAD
 from robots.team import StartPose, TeamMap, TeamRobot, TeamUpdate
 from robots.trajectory import Trajectory, TrajectoryStep, edges_of, final_trajectory
-
-START_SD_M, START_SD_RAD = 0.05, 0.02  # how well the starts are surveyed
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -70,7 +70,7 @@ class _TimedClient(RobotClient):
 
 def _drive(url: str, robots: int, seconds: float, posts: Queue[list[_Post]]) -> None:
     config = ScenarioConfig(map="office:600", robots=robots, minutes=seconds / 60.0, seed=1)
-    play(config, url, _MISSION, speed=1.0, client=_TimedClient)
+    play(config, url, _MISSION, speed=1.0, client_type=_TimedClient)
     posts.put(_TimedClient.sent)
 
 
