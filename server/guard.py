@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import asyncio
+from contextlib import suppress
 from urllib.parse import urlsplit
 
 from starlette.datastructures import Headers
@@ -10,6 +12,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from server.errors import error_response
 
+_DRAIN_BODIES, _DRAIN_S = 16, 10.0  # how much of a body that is refused is read, as a multiple of the limit
 _SAFE = {"GET", "HEAD", "OPTIONS"}
 
 
@@ -39,6 +42,8 @@ class Guard:
             return
         announced = headers.get("content-length", "0")
         if announced.isdigit() and int(announced) > self._limit:
+            if "expect" not in headers:  # such a client waits to be told before it sends
+                await self._drain(receive)
             response = error_response(413, "too_large", self._too_large, headers={"Connection": "close"})
             await response(scope, receive, send)
             return
@@ -49,7 +54,24 @@ class Guard:
             message = await receive()
             count += len(message.get("body", b""))
             if count > self._limit:
+                if message.get("more_body"):
+                    await self._drain(receive)
                 raise HTTPException(413, self._too_large)
             return message
 
         await self._app(scope, limited, send)
+
+    async def _drain(self, receive: Receive) -> None:
+        """Read on and forget, within reason.
+
+        A connection that is closed on a client in the middle of its body is reset, and the answer with it:
+        the client would never learn why.
+        """
+        count = 0
+        with suppress(TimeoutError):
+            async with asyncio.timeout(_DRAIN_S):
+                while count < _DRAIN_BODIES * self._limit:
+                    message = await receive()
+                    count += len(message.get("body", b""))
+                    if not message.get("more_body"):
+                        return

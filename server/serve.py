@@ -12,11 +12,11 @@ from server.app import create_app
 from server.logs import configure_logging
 from server.settings import Settings
 
-_GRACE_S = 2
+_GRACE_S = 1
 
 
 def run(settings: Settings) -> None:
-    """Serve until SIGINT or SIGTERM; open requests have two seconds to end.
+    """Serve until SIGINT or SIGTERM; open requests have a second to end.
 
     Raises:
         DatabaseError: the database cannot be used.

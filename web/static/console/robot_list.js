@@ -12,7 +12,7 @@ const ROOMY = 5; // more robots than this get shorter cards
 
 /** @type {Record<string, string>} */
 const ACTIVITIES = {
-  starting: "Starting", exploring: "Exploring", holding: "Holding", stuck: "Stuck", done: "Finished",
+  starting: "Starting", exploring: "Exploring", returning: "Returning", holding: "Holding", stuck: "Stuck", done: "Finished",
 };
 /** @type {Record<string, string>} */
 const LINKS = { live: "Live", late: "Late", lost: "Lost" };
