@@ -78,8 +78,8 @@ class OdometryConfig:
     Standard deviations that grow with the square root of the motion.
     """
 
-    distance_sd_per_sqrt_m: float = 0.10
-    turn_sd_per_sqrt_m: float = 0.05
+    distance_sd_per_sqrt_m: float = 0.14
+    turn_sd_per_sqrt_m: float = 0.17
     turn_sd_per_sqrt_rad: float = 0.08
     slip_sd_m: float = 0.10  # of the distance while the wheels slip
     lateral_sd_per_sqrt_m: float = 0.02
@@ -90,7 +90,7 @@ class ImuConfig:
     """Noise of the heading from the inertial unit."""
 
     yaw_sd_rad: float = radians(1.0)
-    yaw_drift_sd_rad: float = radians(0.1)  # of a difference over a short time
+    yaw_drift_sd_rad: float = radians(0.16)  # of a difference over a short time
 
 
 @dataclass(frozen=True, slots=True)

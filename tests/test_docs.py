@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 
 import typer
+
 from server.app import create_app
 from server.cli.main import build
 from server.settings import Settings

@@ -9,13 +9,13 @@ from typing import Literal
 
 import numpy as np
 
-from robots.config import AgentConfig
+from robots.config import AgentConfig, OdometryConfig
 from robots.sim.generate import generate
 from robots.sim.hostile import HostileConfig, make_hostile
 from robots.sim.map_files import load_map
 from robots.sim.sensors import HeatConfig, LaserConfig
 from robots.sim.starts import StartKind
-from robots.sim.wheels import NOISE_LEVELS
+from robots.sim.wheels import NOISE_LEVELS, data_sheet
 from robots.sim.world import World
 
 ODOMETRY_HZ = 20
@@ -129,8 +129,11 @@ class ScenarioConfig:
 
     @property
     def agent_for(self) -> AgentConfig:
-        """What the agents of this scenario are told."""
-        return replace(self.agent_config, poses=self.poses, seed=self.seed)
+        """What its agents are told: with the data sheet of their wheels, unless told otherwise."""
+        config = replace(self.agent_config, poses=self.poses, seed=self.seed)
+        if self.noise_level == 0 or config.odometry != OdometryConfig():
+            return config
+        return replace(config, odometry=data_sheet(self.noise_level, config.body.track_width_m))
 
 
 def _within(name: str, value: float, low: float, high: float) -> None:

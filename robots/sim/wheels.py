@@ -12,10 +12,11 @@ amount on top.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import atan, cos, exp, radians, sin, sqrt
+from math import atan, cos, exp, pi, radians, sin, sqrt
 
 import numpy as np
 
+from robots.config import OdometryConfig
 from robots.se2 import wrap
 from robots.sim.world import World
 from robots.types import ImuReading, WheelEncoders
@@ -41,6 +42,25 @@ NOISE_LEVELS = (
 )
 
 _SPIN = 0.6  # standard deviation of a wheel's extra spin, as a share of what the floor takes away
+
+
+def data_sheet(level: int, track_width_m: float, way_m: float = 4.0) -> OdometryConfig:
+    """Return the noise that a manufacturer would state for wheels of a level.
+
+    An agent models errors that grow with the square root of the way; a gain grows with the way itself, so it
+    is spread over ``way_m``, the distance between two tags.
+    """
+    noise = NOISE_LEVELS[level]
+    distance = noise.shared_walk**2 + noise.wheel_walk**2 / 4.0
+    distance += (noise.shared_gain**2 + noise.wheel_gain**2 / 4.0) * way_m
+    turn_m = (noise.wheel_gain**2 * way_m + noise.wheel_walk**2) / track_width_m**2
+    arm_m = track_width_m / 2.0
+    turn_rad = (noise.wheel_walk**2 * arm_m + noise.wheel_gain**2 * arm_m**2 * pi / 2.0) / track_width_m**2
+    return OdometryConfig(
+        distance_sd_per_sqrt_m=sqrt(distance),
+        turn_sd_per_sqrt_m=sqrt(turn_m),
+        turn_sd_per_sqrt_rad=sqrt(turn_rad),
+    )
 
 
 class Wheels:

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from math import atan2, cos, sin
+
 import numpy as np
 
 from robots.estimation.graph import GraphProblem
-from robots.se2 import Array, Pose2
+from robots.se2 import Array, Pose2, wrap
 from robots.team.types import StartPose
 from robots.types import GraphReport, IntArray
 
 _HEADING_SD_RAD = 0.035  # of a compass, for minutes at a time
+_BIAS_SD_RAD = 0.0175  # by which the compasses of two robots differ
 _HELD_SD = 1e-3  # what holds the world in place where nobody surveyed it
 
 
@@ -30,6 +33,7 @@ def joint_problem(
     priors: list[int] = []
     heading_index, headings = [], []
     surveyed = any(starts[name] is not None for name in names)
+    norths = _norths(names, graphs, starts)
     for name in reversed(names):  # the first robot's places of shared tags are the ones that stand
         placed = frames[name].transform(graphs[name].tags)
         for tag, place in zip(graphs[name].tag_ids, placed, strict=True):
@@ -52,7 +56,7 @@ def joint_problem(
             parts["prior_sds"].append(np.maximum([sds], _HELD_SD))
         known = np.flatnonzero(np.isfinite(graph.yaws_rad))
         heading_index.append(known + count)
-        headings.append(graph.yaws_rad[known] + frame.theta)
+        headings.append(graph.yaws_rad[known] + norths.get(name, frame.theta))
         count += len(poses)
     heading = np.concatenate(headings)
     return (
@@ -82,3 +86,32 @@ def moved(frame: Pose2, poses: Array) -> Array:
     moved[:, :2] = frame.transform(poses[:, :2])
     moved[:, 2] += frame.theta
     return moved
+
+
+def _norths(
+    names: list[str], graphs: dict[str, GraphReport], starts: dict[str, StartPose | None]
+) -> dict[str, float]:
+    """Return the heading of north in the world as each robot's compass shows it; empty without a survey.
+
+    A surveyed heading tells it for its own robot, as surely as it claims to. Compasses differ by no more than
+    their biases, so the surveys of the team tell it for a robot that has none or a vague one.
+    """
+    turns: dict[str, float] = {}
+    variances: dict[str, float] = {}
+    for name in names:
+        start, yaw = starts[name], graphs[name].yaws_rad[0]
+        if start is not None and np.isfinite(yaw):
+            turns[name] = wrap(start.pose.theta - float(yaw))
+            variances[name] = max(start.sd_rad, _HELD_SD) ** 2
+    if not turns:
+        return {}
+    weights = {name: 1.0 / (variances[name] + _BIAS_SD_RAD**2) for name in turns}
+    common = atan2(
+        sum(weights[name] * sin(turn) for name, turn in turns.items()),
+        sum(weights[name] * cos(turn) for name, turn in turns.items()),
+    )
+    vague = 1.0 / sum(weights.values()) + _BIAS_SD_RAD**2  # of the common one, for one robot's compass
+    norths = {name: common for name in names if np.isfinite(graphs[name].yaws_rad).any()}
+    for name, turn in turns.items():
+        norths[name] = common + wrap(turn - common) * vague / (vague + variances[name])
+    return norths

@@ -32,7 +32,8 @@ def entering(grid: PlanGrid, start: tuple[int, int]) -> np.ndarray:
     """Cost of entering each cell straight, 0 where that is not possible."""
     rows, columns = np.indices(grid.steps.shape)
     near = np.maximum(np.abs(rows - start[0]), np.abs(columns - start[1])) <= LEAVE_CELLS
-    tight = (grid.steps == 0) & (grid.cells == FREE)
+    # a robot that stands on what the map takes for an obstacle may leave over anything
+    tight = (grid.steps == 0) & ((grid.cells == FREE) | (grid.cells[start] != FREE))
     return np.where(tight & near, LEAVE_COST, grid.steps.astype(int))
 
 

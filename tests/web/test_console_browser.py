@@ -14,8 +14,8 @@ import httpx
 import pytest
 from fastapi import FastAPI
 from playwright.sync_api import Browser, ConsoleMessage, Page, expect, sync_playwright
-from server.app import create_app
 
+from server.app import create_app
 from server.settings import Settings
 
 pytestmark = pytest.mark.browser

@@ -2,17 +2,17 @@
 
 from collections.abc import Callable
 from dataclasses import replace
-from math import cos, pi, radians, sin, sqrt
+from math import cos, pi, sin
 
 import numpy as np
 import pytest
 
-from robots.config import AgentConfig, BodyConfig, ImuConfig, OdometryConfig
+from robots.config import AgentConfig, BodyConfig, OdometryConfig
 from robots.estimation.odometry import motion_covariance, motion_mean, predict, wheel_motion
 from robots.estimation.tracking import PoseTracker
 from robots.evaluation import consistency
 from robots.se2 import GaussianPose, Pose2, wrap, wrap_array
-from robots.sim.wheels import NOISE_LEVELS, Imu, Wheels
+from robots.sim.wheels import Imu, Wheels, data_sheet
 from robots.sim.world import World
 from robots.types import Displacement, DistanceTurn, ImuReading, Odometry, WheelEncoders
 
@@ -220,25 +220,14 @@ def test_dead_reckoning_between_two_tags_knows_its_error(pattern, imu):
     assert 0.5 * nees.lower < nees.average < 2.0 * nees.upper, nees
 
 
-def data_sheet(level: int, way_m: float = 4.0) -> AgentConfig:
-    """The noise a manufacturer would give for wheels of this level: gains taken as spread over the way."""
-    n = NOISE_LEVELS[level]
-    track = BODY.track_width_m
-    distance = n.shared_walk**2 + n.wheel_walk**2 / 4 + (n.shared_gain**2 + n.wheel_gain**2 / 4) * way_m
-    turn_m = (n.wheel_gain**2 * way_m + n.wheel_walk**2) / track**2
-    turn_rad = (n.wheel_walk**2 * track / 2 + n.wheel_gain**2 * (track / 2) ** 2 * pi / 2) / track**2
-    odometry = OdometryConfig(
-        distance_sd_per_sqrt_m=sqrt(distance),
-        turn_sd_per_sqrt_m=sqrt(turn_m),
-        turn_sd_per_sqrt_rad=sqrt(turn_rad),
-    )
-    return replace(AgentConfig(), odometry=odometry, imu=ImuConfig(yaw_drift_sd_rad=radians(0.16)))
+def told(level: int) -> AgentConfig:
+    return replace(AgentConfig(), odometry=data_sheet(level, BODY.track_width_m))
 
 
 @pytest.mark.parametrize("level", [1, 5])
 @pytest.mark.parametrize("imu", [False, True], ids=["wheels", "imu"])
 def test_told_the_right_noise_it_is_consistent_at_every_level(level, imu):
-    nees = consistency(*dead_reckon(data_sheet(level), level, imu, "exploring", 4.0, 40))
+    nees = consistency(*dead_reckon(told(level), level, imu, "exploring", 4.0, 40))
     assert 0.4 * nees.lower < nees.average < 1.2 * nees.upper, nees
 
 

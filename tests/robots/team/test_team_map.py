@@ -134,6 +134,30 @@ def test_a_survey_counts_as_much_as_it_claims(journey):
     assert 0.1 < robot(even, "r1").anchors[0, 0] - FIRST[0].x < 0.2
 
 
+@pytest.mark.parametrize("off", [0.3, -1.5, 3.0])
+def test_a_vague_heading_is_corrected_by_the_compass_of_another(journey, off):
+    """Where r2 stands was surveyed, not where it looked; r1 was surveyed well, and both know north."""
+    wrong = Pose2(SECOND[0].x, SECOND[0].y, SECOND[0].theta + off)
+    members = {"r1": journey("r1", FIRST, FIRST_TAGS), "r2": journey("r2", SECOND, SECOND_TAGS)}
+    update = team_of(members, {"r1": known(FIRST[0], 0.01, 0.001), "r2": known(wrong, 1.0, 3.0)})
+    anchors_at(robot(update, "r1"), FIRST, atol=0.01)
+    anchors_at(robot(update, "r2"), SECOND, atol=0.01)
+    alone = team_of({**members, "r2": journey("r2", SECOND, {3: "X"})},
+                    {"r1": known(FIRST[0], 0.01, 0.001), "r2": known(wrong, 0.01, 3.0)})  # fmt: skip
+    anchors_at(robot(alone, "r2"), [SECOND[0], SECOND[3]], atol=0.01)  # north is enough
+
+
+def test_a_surveyed_heading_stands_where_no_compass_contradicts(journey):
+    """The mission's world need not look north: the survey of the only robot says how it lies."""
+    turned = Pose2(10.0, 20.0, 1.2)
+    update = team_of(
+        {"r1": journey("r1", FIRST, FIRST_TAGS), "r2": journey("r2", SECOND, SECOND_TAGS)},
+        {"r1": known(turned @ FIRST[0])},
+    )
+    anchors_at(robot(update, "r1"), FIRST, turned)
+    anchors_at(robot(update, "r2"), SECOND, turned)
+
+
 def test_a_robot_without_a_survey_does_not_hold_those_that_have_one(journey):
     """The first in the alphabet has none: it follows the sure survey, not the mean of both."""
     through = [*THIRD[:2], Pose2(4.0, 1.0, 2.0), Pose2(4.0, 4.0, 2.0)]
