@@ -107,8 +107,8 @@ class ScanMatchConfig:
     max_correction_rad: float = radians(25.0)
     point_sd_m: float = 0.03
     min_overlap: float = 0.45
-    map_sd_m: float = 0.01  # error of the local map itself, over about a metre of driving
-    map_sd_rad: float = radians(0.25)
+    map_sd_m: float = 0.008  # error of the local map itself, over about a metre of driving
+    map_sd_rad: float = radians(0.2)
 
 
 @dataclass(frozen=True, slots=True)

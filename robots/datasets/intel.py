@@ -47,6 +47,7 @@ _SETTINGS: dict[str, Any] = {
     "antenna": {"radius_m": SIGHTING_RADIUS_M, "ahead_m": 0.0},
     "odometry": {"distance_sd_per_sqrt_m": 0.10, "turn_sd_per_sqrt_m": 0.08, "lateral_sd_per_sqrt_m": 0.03},
     "deployment": {"magazine": 0},
+    "planning": {"replan_every_s": 10.0},  # somebody drove it; where our agent would go is only looked at
 }
 
 

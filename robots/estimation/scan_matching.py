@@ -22,7 +22,7 @@ from robots.se2 import Array, GaussianPose, Pose2, wrap
 _ITERATIONS = 25
 _INLIER_M = 0.12
 _ILLUSION, _SOUND = 0.01, 0.05  # mean squared share of the normals along a direction: noise, and surely real
-_CORRELATED_POINTS = 6.0  # neighbouring beams share the map's errors: so many points count as one
+_CORRELATED_POINTS = 3.0  # neighbouring beams share the map's errors: so many points count as one
 
 
 @dataclass(frozen=True, slots=True, eq=False)
