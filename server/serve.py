@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import sys
 
 import uvicorn
 
@@ -33,10 +32,7 @@ def run(settings: Settings) -> None:
         ws_max_size=65_536,
         timeout_graceful_shutdown=_GRACE_S,
     )
-    server = uvicorn.Server(config)
-    server.run()
-    if not server.started:  # it has said why
-        sys.exit(1)
+    uvicorn.Server(config).run()  # exits with 3 where it cannot start, having said why
 
 
 async def _try_database(settings: Settings) -> None:

@@ -12,6 +12,7 @@ import time
 from collections.abc import Awaitable, Callable
 from dataclasses import asdict, dataclass, field, replace
 
+import numpy as np
 import structlog
 
 from db.records import StartPoseRecord
@@ -26,6 +27,12 @@ _PERIOD_S = 0.5  # the map is solved at most this often
 _STARTING_S, _ASKING_S = 90.0, 60.0
 _LONGEST_PAUSE_S = 5.0
 
+_STEP_M = 0.25  # of the trail
+_NO_PATH = np.zeros((0, 2), np.float32)
+_NO_PATH.flags.writeable = False
+
+_Step = tuple[int, int, int]  # an anchor, and a cell round it
+
 log = structlog.get_logger()
 
 
@@ -38,10 +45,12 @@ class _Share:
     graph: GraphReport | None = None
     submaps: dict[int, SubmapReport] = field(default_factory=dict)
     victims: dict[str, VictimEstimate] = field(default_factory=dict)
+    steps: dict[_Step, AgentUpdate] = field(default_factory=dict)
     is_new: bool = True
     graph_changed: bool = False
     submaps_changed: set[int] = field(default_factory=set)
     victims_changed: set[str] = field(default_factory=set)
+    steps_changed: set[_Step] = field(default_factory=set)
 
     @property
     def changed(self) -> bool:
@@ -50,6 +59,11 @@ class _Share:
     def put(self, update: AgentUpdate) -> None:
         """Take over what an update brings; the latest replaces the earlier."""
         self.latest = update
+        place = update.anchor_from_base
+        step = (update.anchor, round(place.x / _STEP_M), round(place.y / _STEP_M))
+        if step not in self.steps:  # by steps, and all of them: a backlog must not cut the trail short
+            self.steps[step] = replace(update, graph=None, submaps=(), victims=(), path_m=_NO_PATH)
+            self.steps_changed.add(step)
         if update.graph is not None:
             self.graph, self.graph_changed = update.graph, True
         for submap in update.submaps:
@@ -63,15 +77,20 @@ class _Share:
         """Begin again: nothing has been told."""
         self.is_new, self.graph_changed = True, self.graph is not None
         self.submaps_changed, self.victims_changed = set(self.submaps), set(self.victims)
+        self.steps_changed = set(self.steps)
 
-    def take(self) -> AgentUpdate | None:
+    def take(self) -> list[AgentUpdate]:
         """Return what has not been told, and count it as told."""
+        if self.latest is None:
+            self.is_new = False
+            return []
+        steps = sorted((self.steps[step] for step in self.steps_changed), key=lambda update: update.seq)
         latest, graph = self.latest, self.graph if self.graph_changed else None
         submaps = tuple(self.submaps[anchor] for anchor in sorted(self.submaps_changed))
         victims = tuple(self.victims[victim_id] for victim_id in sorted(self.victims_changed))
         self.is_new = self.graph_changed = False
-        self.submaps_changed, self.victims_changed = set(), set()
-        return None if latest is None else replace(latest, graph=graph, submaps=submaps, victims=victims)
+        self.submaps_changed, self.victims_changed, self.steps_changed = set(), set(), set()
+        return [*steps, replace(latest, graph=graph, submaps=submaps, victims=victims)]
 
 
 class TeamHost:
@@ -162,11 +181,11 @@ class TeamHost:
             if not share.changed:
                 continue
             is_new, start = share.is_new, share.start
-            update = share.take()
+            updates = share.take()
             if is_new:
                 told = b"" if start is None else json.dumps(asdict(start)).encode()
                 await worker.ask(Kind.ADD_ROBOT, [robot_id.encode(), told], timeout_s=_ASKING_S)
-            if update is not None:
-                parts = [robot_id.encode(), codec.encode(update)]
+            if updates:
+                parts = [robot_id.encode(), *map(codec.encode, updates)]
                 await worker.ask(Kind.PUT, parts, timeout_s=_ASKING_S)
         return codec.decode((await worker.ask(Kind.SOLVE, timeout_s=_ASKING_S))[0], TeamUpdate)

@@ -80,7 +80,8 @@ class TeamServant:
             self._team.add_robot(parts[0].decode(), self._start(parts[1]))
             return []
         if kind is Kind.PUT:
-            self._team.put(parts[0].decode(), codec.decode(parts[1], AgentUpdate))
+            for part in parts[1:]:
+                self._team.put(parts[0].decode(), codec.decode(part, AgentUpdate))
             return []
         if kind is Kind.SOLVE:
             return [codec.encode(self._team.solve())]

@@ -38,6 +38,8 @@ from server.robot import Robot
 from server.schemas.observations import OnboardWire
 from server.settings import Settings
 
+_STUCK_AGAIN_S = 60.0  # a robot that works itself free and gets stuck again is no news for so long
+
 log = structlog.get_logger()
 
 
@@ -216,7 +218,8 @@ class Mission:
         after = robot.update
         if after is None or before is None or after.activity == before.activity:
             return
-        if after.activity == "stuck":
+        if after.activity == "stuck" and after.stamp_s - robot.stuck_told_s > _STUCK_AGAIN_S:
+            robot.stuck_told_s = after.stamp_s
             text = f"{robot.robot_id} is stuck: {after.reason}."
             await self.events.tell("stuck", text, robot.robot_id, "warning")
         if after.activity == "done":

@@ -10,7 +10,7 @@ import structlog
 from db.errors import DatabaseError
 from db.store import Store
 from robots import codec
-from robots.types import AgentUpdate
+from robots.types import AgentUpdate, Observation
 from server.agents.host import Answer
 from server.agents.process import WorkerDiedError
 from server.mission.memories import Memories
@@ -55,6 +55,7 @@ class Recovery:
             self._shared_map.add(robot)
             if last is not None:
                 robot.last_stamp_s, robot.heard_unix_s = last.stamp_s, last.received_unix_s
+                robot.battery = codec.decode(last.body, Observation).battery
                 robot.thought = self._tasks.spawn(self._catch_up(robot))
                 catching_up.append(robot.thought)
         self._roster.publish()
@@ -110,6 +111,7 @@ class Recovery:
             if answer.update is not None:
                 update = codec.decode(answer.update, AgentUpdate)
                 robot.take(update)
+                self._shared_map.put(robot, update)
                 if update.command.writes:  # the server may have ended before it kept them; merging is safe
                     self._tasks.spawn(self._memories.keep_written(robot.robot_id, update.command.writes))
 

@@ -5,14 +5,15 @@ from __future__ import annotations
 import itertools
 import json
 import socket
+import sqlite3
 import threading
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import httpx
 import pytest
@@ -74,7 +75,7 @@ def drive() -> Drive:
 class Line:
     """One mission on a server, with a robot r1 as most tests have it."""
 
-    words: Json = {"config": CONFIG, "start_pose": START}
+    words: ClassVar[Json] = {"config": CONFIG, "start_pose": START}
 
     def __init__(self, control: Control, mission_id: str) -> None:
         self.control = control
@@ -152,6 +153,11 @@ class Stream:
     def kind(self, kind: str) -> list[Json]:
         return [value for key, value in self.state.items() if key.startswith(f"{kind}/")]
 
+    def settle(self) -> None:
+        """Read until nothing changes for a second."""
+        while (message := self.next())["set"] or message["delete"]:
+            pass
+
     def until(self, condition: Callable[[Stream], object], seconds: float = 15.0) -> Json:
         """The state once the condition holds."""
         deadline = time.monotonic() + seconds
@@ -194,6 +200,27 @@ class Control:
         self._thread.join(timeout=20)
         assert not self._thread.is_alive(), "the server did not stop"
 
+    @property
+    def database(self) -> Path:
+        return Path(self.settings.database_target)
+
+    def sql(self, statement: str) -> list[tuple[Any, ...]]:
+        """Run a statement on the database behind the server's back."""
+        with closing(sqlite3.connect(self.database)) as connection, connection:
+            return connection.execute(statement).fetchall()
+
+    @contextmanager
+    def failing(self, *tables: str, on: str = "INSERT") -> Iterator[None]:
+        """The database refuses changes of these tables for a while."""
+        for table in tables:
+            raise_ = "SELECT RAISE(ABORT, 'disk is full')"
+            self.sql(f"CREATE TRIGGER fail_{table} BEFORE {on} ON {table} BEGIN {raise_}; END")
+        try:
+            yield
+        finally:
+            for table in tables:
+                self.sql(f"DROP TRIGGER fail_{table}")
+
     def call(self, method: str, path: str, body: object = None, **more: Any) -> httpx.Response:
         return self._client.request(method, path, json=body, **more)
 
@@ -208,7 +235,7 @@ class Control:
 @pytest.fixture(scope="session")
 def control(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Control]:
     """The server that most tests share; each opens a mission of its own."""
-    control = Control(tmp_path_factory.mktemp("control"))
+    control = Control(tmp_path_factory.mktemp("control"), snapshot_every=40)
     control.start()
     yield control
     control.stop()

@@ -13,14 +13,19 @@ HALF = 80  # batches before the restart
 
 
 @pytest.fixture
-def story(tmp_path, make_control, drive):
+def story(tmp_path, make_control, drive, wait_until):
     """A mission on a server of its own, whose robot has driven until HALF."""
-    line = make_control(tmp_path, snapshot_every=100).open("school")
+    line = make_control(tmp_path, snapshot_every=1).open("school")
     reply = line.register(**line.words)
     assert (reply.status_code, reply.json()["next_seq"]) == (201, 0)
+    robot = line.control.missions.get("school").roster.get("r1")
     for number in range(HALF):
+        if number == HALF - 1:
+            wait_until(robot.snapshot_task.done)  # so that the last batch has one of its own
         reply = line.send(drive.wires[number])
         assert {name: reply[name] for name in ("pose", "command")} == drive.expected(number), number
+    last = [(4 * HALF - 1,)]
+    wait_until(lambda: line.control.sql("SELECT seq FROM agent_snapshots") == last)
     return line
 
 
@@ -46,7 +51,7 @@ def test_everything_is_there_after_a_restart_and_the_robot_goes_on(story, drive)
     )
     with line.stream() as stream:
         stream.until(settled(tags))
-        stream.until(lambda s: s.state["robot/r1"]["located"])
+        stream.settle()
         before, trail = shown(stream), stream.state["trail/r1"]["points_m"]
     robot = before["robot/r1"]
     assert (robot["stamp_s"], robot["agent"], robot["stopped"]) == (
@@ -74,8 +79,10 @@ def test_everything_is_there_after_a_restart_and_the_robot_goes_on(story, drive)
     with line.stream() as stream:
         assert stream.kind("victim")
         assert len(stream.kind("tag")) == tags  # from the database, before any agent is back
-        stream.until(settled(tags))
-        stream.until(lambda s: s.state["robot/r1"]["located"])
+        while "map" not in stream.state:  # nobody is forgotten while the agents are on their way back
+            stream.next()
+            assert stream.kind("victim")
+        stream.settle()
         after = shown(stream)
         again = stream.state["trail/r1"]["points_m"]
     before[f"victim/{victim_id}"] |= said
@@ -90,21 +97,16 @@ def test_everything_is_there_after_a_restart_and_the_robot_goes_on(story, drive)
         event for event in kept if event["event_id"] > events[-1]["event_id"] and event["severity"] == "alarm"
     ]
     picture = np.asarray(Image.open(BytesIO(line.call("GET", "/map.png").content)))
-    assert picture.shape == free.shape
-    assert ((picture == 1) == free).mean() > 0.99
+    assert (picture == 1).sum() == pytest.approx(free.sum(), rel=0.02)  # the newest submap has grown a little
 
     assert line.register(**line.words).json()["next_seq"] == 4 * HALF
+    for number in (HALF - 2, HALF - 1):  # their replies may have been lost in the restart
+        reply = line.send(drive.wires[number])
+        assert (reply["accepted"], reply["duplicates"], reply["next_seq"]) == (0, 4, 4 * HALF)
+        assert {name: reply[name] for name in ("pose", "command")} == drive.expected(number)
     for number in range(HALF, len(drive.wires)):
         reply = line.send(drive.wires[number])
         assert {name: reply[name] for name in ("pose", "command")} == drive.expected(number), number
-
-
-def test_the_batch_before_a_restart_is_answered_alike_after_it(story, drive):
-    story.control.stop()
-    story.control.start()
-    reply = story.send(drive.wires[HALF - 1])
-    assert (reply["accepted"], reply["duplicates"], reply["next_seq"]) == (0, 4, 4 * HALF)
-    assert {name: reply[name] for name in ("pose", "command")} == drive.expected(HALF - 1)
 
 
 def test_stream_and_rest_show_the_same(driven):

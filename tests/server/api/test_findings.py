@@ -1,0 +1,167 @@
+"""Tags' memories, victims, annotations and the map, as people and robots use them."""
+
+import base64
+from io import BytesIO
+from uuid import uuid4
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from robots.tags.memory import TagMemory, decode_memory, encode_memory
+
+BYTES = {"Content-Type": "application/octet-stream"}
+
+
+def memory(*cells):
+    found = TagMemory.empty()
+    for row, column, value in cells:
+        found.cells[row, column] = value
+    return found
+
+
+def test_memories_merge(line):
+    first, second = memory((0, 0, 2), (3, 4, 1)), memory((3, 4, 2), (9, 9, 1))
+    assert line.refused("GET", "/tags/A4/memory") == (404, "unknown_tag", None)
+    merged = line.call("POST", "/tags/A4/memory", content=encode_memory(first), headers=BYTES)
+    assert merged.content == encode_memory(first)
+    assert merged.headers["content-type"] == "application/octet-stream"
+    merged = line.call("POST", "/tags/A4/memory", content=encode_memory(second), headers=BYTES)
+    assert merged.content == encode_memory(first.merge(second))
+    assert line.call("GET", "/tags/A4/memory").content == merged.content
+
+
+@pytest.mark.parametrize("garbage", [b"x", b"\1" * 186, b"\2" + bytes(185), bytes(10_000)], ids=range(4))
+def test_garbage_is_no_memory(line, garbage):
+    line.call("POST", "/tags/A4/memory", content=encode_memory(memory((1, 1, 1))), headers=BYTES)
+    assert line.refused("POST", "/tags/A4/memory", content=garbage)[:2] == (422, "invalid_memory")
+    assert line.call("GET", "/tags/A4/memory").content == encode_memory(memory((1, 1, 1)))
+
+
+def test_a_tag_has_a_name_that_can_be_one(line):
+    content = encode_memory(TagMemory.empty())
+    assert line.refused("POST", f"/tags/{'x' * 65}/memory", content=content) == (422, "invalid", "tag_id")
+
+
+def test_what_a_robot_reads_is_merged_and_garbage_is_told_once(line):
+    read = encode_memory(memory((5, 5, 2)))
+    for seq, data in enumerate([read, b"garbage", b"garbage", b"garbage"]):
+        sighting = {"tag_id": "A4", "memory": base64.b64encode(data).decode()}
+        line.send([{"seq": seq, "stamp_s": 1.0 * seq, "tag_sightings": [sighting]}])
+    assert line.call("GET", "/tags/A4/memory").content == read
+    (event,) = line.events("tag_unreadable")
+    assert (event["robot_id"], event["severity"]) == ("r1", "warning")
+
+
+def test_what_an_agent_writes_is_merged(driven, drive):
+    writes = [write for batch in drive.updates for update in batch for write in update.command.writes]
+    assert writes
+    for write in writes:
+        known = decode_memory(driven.call("GET", f"/tags/{write.tag_id}/memory").content)
+        assert known.merge(decode_memory(write.memory)) == known
+
+
+def test_tags_have_places(driven):
+    tag = driven.get("/tags")["tags"][0]
+    assert driven.get(f"/tags/{tag['tag_id']}") == tag
+    assert tag["robots"] == ["r1"]
+    assert driven.refused("GET", "/tags/nowhere") == (404, "unknown_tag", None)
+
+
+def test_a_victim_is_seen_and_judged(line, drive):
+    for wires in drive.wires[:60]:
+        line.send(wires)
+    with line.stream() as stream:
+        stream.until(lambda s: s.kind("victim"))
+        victim = stream.kind("victim")[0]
+        at = f"/victims/{victim['victim_id']}"
+        (event,) = line.events("victim_seen")[:1]
+        assert event["severity"] == "alarm"
+        assert victim["victim_id"] in event["text"]
+        assert (victim["status"], victim["by"]) == ("suspected", "")
+        judged = line.call("PATCH", at, {"status": "reached", "note": "awake", "by": "Ada"}).json()
+        assert (judged["status"], judged["note"], judged["by"]) == ("reached", "awake", "Ada")
+        stream.until(lambda s: s.state[f"victim/{victim['victim_id']}"]["status"] == "reached")
+        for wires in drive.wires[60:]:  # robots measure on, and change nothing of what was said
+            line.send(wires)
+        stream.until(lambda s: s.state["robot/r1"]["stamp_s"] == drive.batches[-1][-1].stamp_s)
+        stream.settle()
+    later = line.get(at)
+    assert later["sightings"] > victim["sightings"]
+    assert (later["status"], later["note"], later["by"]) == ("reached", "awake", "Ada")
+    assert line.call("PATCH", at, {"status": "extricated", "by": "Ben"}).json()["note"] == "awake"
+    assert line.refused("PATCH", at, {"status": "fine", "by": "Ben"}) == (422, "invalid", "status")
+    assert line.refused("PATCH", "/victims/v9", {"status": "reached", "by": "x"}) == (
+        404,
+        "unknown_victim",
+        None,
+    )
+    assert [event["kind"] for event in line.events("victim_judged")] == ["victim_judged"] * 2
+
+
+def test_annotations_are_written_once_however_often_they_are_sent(line):
+    at = f"/annotations/{uuid4()}"
+    body = {"kind": "hazard", "text": "gas", "x_m": 3.0, "y_m": -1.5, "by": "Ada"}
+    with line.stream() as stream:
+        first = line.call("PUT", at, body)
+        assert first.status_code == 200
+        stream.until(lambda s: s.kind("annotation") == [first.json()])
+        assert line.call("PUT", at, body).json() == first.json()
+        assert line.get("/annotations")["annotations"] == [first.json()]
+        changed = line.call("PUT", at, {**body, "text": "much gas"}).json()
+        assert changed["created_unix_s"] == first.json()["created_unix_s"]
+        stream.until(lambda s: s.kind("annotation") == [changed])
+        assert line.call("DELETE", at).status_code == 204
+        stream.until(lambda s: not s.kind("annotation"))
+    assert line.refused("DELETE", at) == (404, "unknown_annotation", None)
+    assert line.get("/annotations")["annotations"] == []
+
+
+@pytest.mark.parametrize(
+    "place",
+    [{}, {"x_m": 1.0}, {"tag_id": "A", "x_m": 1.0, "y_m": 1.0}, {"tag_id": "A", "x_m": 1.0}],
+    ids=["none", "half", "both", "tag and half"],
+)
+def test_an_annotation_has_one_place(line, place):
+    body = {"kind": "note", "text": "x", "by": "Ada", **place}
+    assert line.refused("PUT", f"/annotations/{uuid4()}", body)[0] == 422
+    assert line.refused("PUT", "/annotations/7", {**body, "tag_id": "A"})[::2] == (422, "annotation_id")
+
+
+def test_text_that_is_no_text_is_refused(line):
+    body = '{"kind": "note", "text": "\\ud800", "tag_id": "A", "by": "Ada"}'
+    response = line.call(
+        "PUT", f"/annotations/{uuid4()}", content=body, headers={"Content-Type": "application/json"}
+    )
+    assert (response.status_code, response.json()["error"]["field"]) == (422, "text")
+
+
+def test_the_map_is_sent_once(driven):
+    map_ = driven.get("/map")
+    first = driven.control.call("GET", map_["png"].removeprefix("/api/v1"))
+    assert first.headers["content-type"] == "image/png"
+    etag = first.headers["etag"]
+    for match in (etag, f'"other", {etag}'):
+        again = driven.call("GET", "/map.png", headers={"If-None-Match": match})
+        assert (again.status_code, again.content, again.headers["etag"]) == (304, b"", etag)
+    assert driven.call("GET", "/map.png", headers={"If-None-Match": '"other"'}).status_code == 200
+    picture = np.asarray(Image.open(BytesIO(first.content)))
+    assert picture.shape == (map_["height"], map_["width"])
+    assert set(np.unique(picture)) == {0, 1, 2}
+
+
+def test_the_picture_and_the_trail_fit(driven):
+    """Row 0 is the top: nearly every point that the robot drove over is free."""
+    map_ = driven.get("/map")
+    picture = np.asarray(Image.open(BytesIO(driven.call("GET", "/map.png").content)))
+    with driven.stream() as stream:
+        trail = np.array(stream.state["trail/r1"]["points_m"])
+    columns = ((trail[:, 0] - map_["origin_m"][0]) / map_["resolution_m"]).astype(int)
+    rows = map_["height"] - 1 - ((trail[:, 1] - map_["origin_m"][1]) / map_["resolution_m"]).astype(int)
+    assert len(trail) > 10
+    assert (picture[rows, columns] == 1).mean() > 0.95
+
+
+def test_without_scans_there_is_no_map(line):
+    assert line.refused("GET", "/map") == (404, "no_map", None)
+    assert line.refused("GET", "/map.png") == (404, "no_map", None)

@@ -1,0 +1,98 @@
+"""Starting and ending: a database that cannot be used, signals, and no process left behind."""
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+
+import httpx
+import psutil
+import pytest
+
+from db.errors import DatabaseError
+from server.agents.process import ForkServer
+from server.serve import run
+from server.settings import Settings
+
+
+@pytest.fixture
+def served(tmp_path, wait_until):
+    """`waymark serve` as a process with two agents and a team map; what it started is ended at the end."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = probe.getsockname()[1]
+    code = "from server.cli.main import app; app()"
+    words = [sys.executable, "-c", code, "serve", "--port", str(port), "--data", str(tmp_path)]
+    process = subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    family = []
+    try:
+        with httpx.Client(base_url=f"http://127.0.0.1:{port}/api/v1", timeout=20.0) as client:
+            wait_until(lambda: process.poll() is not None or _answers(client))
+            client.post("/missions", json={"name": "M", "mission_id": "m"})
+            for robot_id in ("r1", "r2"):
+                client.post("/missions/m/robots", json={"robot_id": robot_id})
+                body = {"observations": [{"seq": 0, "stamp_s": 0.0}]}
+                assert (
+                    client.post(f"/missions/m/robots/{robot_id}/observations", json=body).status_code == 200
+                )
+            family = psutil.Process(process.pid).children(recursive=True)
+            assert len(family) >= 3  # who forks, and the agents
+            yield process, family
+    finally:
+        for member in [*family, process]:
+            if _lives(member.pid):
+                os.kill(member.pid, signal.SIGKILL)
+        process.communicate()
+
+
+def _answers(client):
+    try:
+        return client.get("/health").status_code == 200
+    except httpx.TransportError:
+        return False
+
+
+def _lives(pid):
+    try:
+        return psutil.Process(pid).status() != psutil.STATUS_ZOMBIE
+    except psutil.NoSuchProcess:
+        return False
+
+
+@pytest.mark.parametrize("sent", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL], ids=lambda sent: sent.name)
+def test_no_process_is_left_behind(served, wait_until, sent):
+    process, family = served
+    began = time.monotonic()
+    process.send_signal(sent)
+    _, errors = process.communicate(timeout=10)
+    wait_until(lambda: not any(_lives(member.pid) for member in family), seconds=5.0)
+    assert time.monotonic() - began < 5.0
+    assert process.returncode == {"SIGINT": 130, "SIGTERM": 143, "SIGKILL": -9}[sent.name]
+    assert "Traceback" not in errors
+
+
+def test_a_damaged_database_is_named_and_left_as_it_is(tmp_path):
+    path = tmp_path / "waymark.db"
+    path.write_bytes(b"SQLite format 3\0" + os.urandom(8000))
+    before = path.read_bytes()
+    with pytest.raises(DatabaseError, match=str(path)):
+        run(Settings(data_dir=tmp_path, port=0))
+    assert path.read_bytes() == before
+
+
+def test_a_busy_port_ends_the_server_with_an_error(tmp_path):
+    with socket.create_server(("127.0.0.1", 0)) as taken, pytest.raises(SystemExit) as ended:
+        run(Settings(data_dir=tmp_path, port=taken.getsockname()[1], log_level="CRITICAL"))
+    assert ended.value.code
+
+
+def test_a_start_that_fails_ends_the_server_with_an_error(tmp_path, monkeypatch):
+    async def fails(self):
+        raise OSError("no processes left")
+
+    monkeypatch.setattr(ForkServer, "start", fails)
+    with pytest.raises(SystemExit) as ended:
+        run(Settings(data_dir=tmp_path, port=0, log_level="CRITICAL"))
+    assert ended.value.code
