@@ -131,7 +131,7 @@ class ScenarioConfig:
     def agent_for(self) -> AgentConfig:
         """What its agents are told: with the data sheet of their wheels, unless told otherwise."""
         config = replace(self.agent_config, poses=self.poses, seed=self.seed)
-        if self.noise_level == 0 or config.odometry != OdometryConfig():
+        if self.poses == "truth" or self.noise_level == 0 or config.odometry != OdometryConfig():
             return config
         return replace(config, odometry=data_sheet(self.noise_level, config.body.track_width_m))
 

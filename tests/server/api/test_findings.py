@@ -72,7 +72,7 @@ def test_a_victim_is_seen_and_judged(line, drive):
     for wires in drive.wires[:60]:
         line.send(wires)
     with line.stream() as stream:
-        stream.until(lambda s: s.kind("victim"))
+        stream.until(lambda s: "victim_seen" in {event["kind"] for event in s.kind("event")})
         victim = stream.kind("victim")[0]
         at = f"/victims/{victim['victim_id']}"
         (event,) = line.events("victim_seen")[:1]
