@@ -1,136 +1,239 @@
-"""Errors and normal-equation blocks of the tag graph's factors, each written once.
+"""Errors of the tag graph's factors and the normal equations they add up to, each written once.
 
-Poses are (n, 3), tags (m, 2).
+Every vertex is a row (x, y, theta) of ``state``; a tag has no heading, its third number is 0 and stays so.
+A *link* measures vertex b in the frame of vertex a: an edge whole, a sighting only the place (the third row
+and column of its information are 0). An *anchor* is a value known of one vertex alone: a prior, a heading.
+
+    e = (R_a' (t_b - t_a) - t_ab, wrap(theta_b - theta_a - theta_ab))                     (as g2o has it)
+
+With T = diag(R_a', 1), q = (-(y_b - y_a), x_b - x_a) and S = [I q; 0 1] the Jacobians are
+
+    de/db = T,   de/da = -T S                                                             (J)
+
+so that with M = T' Omega T and r = T' Omega e the blocks of the normal equations are
+
+    H_bb = M,   H_ba = -M S,   H_aa = S' M S,   g_b = r,   g_a = -S' r                    (H)
 """
 
 from __future__ import annotations
 
 from math import atan2, cos, sin, sqrt
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 
-from robots.se2 import Array, wrap_array
+from robots.se2 import Array
 from robots.types import IntArray
 
 
-@njit(cache=True)
-def edge_errors(poses: Array, pairs: IntArray, measured: Array) -> Array:
-    """Return e = (R_i' (t_j - t_i) - t_ij, wrap(theta_j - theta_i - theta_ij)), shape (k, 3), as g2o does."""
-    errors = np.empty((pairs.shape[0], 3))
-    for k in range(pairs.shape[0]):
-        i, j = pairs[k, 0], pairs[k, 1]
-        c, s = cos(poses[i, 2]), sin(poses[i, 2])
-        dx, dy = poses[j, 0] - poses[i, 0], poses[j, 1] - poses[i, 1]
-        turn = poses[j, 2] - poses[i, 2] - measured[k, 2]
-        errors[k, 0] = c * dx + s * dy - measured[k, 0]
-        errors[k, 1] = -s * dx + c * dy - measured[k, 1]
-        errors[k, 2] = atan2(sin(turn), cos(turn))
-    return errors
+class Factors(NamedTuple):
+    """All that was measured. Links from ``robust_from`` on have a Huber kernel."""
+
+    pairs: IntArray  # (k, 2) vertices a and b
+    measured: Array  # (k, 3)
+    information: Array  # (k, 3, 3)
+    robust_from: int
+    anchored: IntArray  # (p,) vertices
+    values: Array  # (p, 3)
+    weights: Array  # (p, 3) inverse variances, 0 where a value says nothing
 
 
-def edge_chi2(errors: Array, information: Array) -> float:
-    """Return the sum of e' Omega e over errors (k, 3) and information matrices (k, 3, 3)."""
-    return float(np.einsum("ni,nij,nj->", errors, information, errors))
+class Equations(NamedTuple):
+    """The normal equations H d = -g by blocks of 3.
 
-
-@njit(cache=True)
-def edge_jacobian(pose_i: Array, pose_j: Array, linear: bool) -> Array:
-    """Return the Jacobian (3, 6) of an edge's error by pose i and pose j.
-
-    Headings are held fixed where ``linear``.
+    ``slot`` (k,) is the place of each link's block in ``beside``, -1 for a link of a vertex to itself;
+    ``turned`` (k,) says that the block is kept as H_ab, else as H_ba. Blocks keep their places, zero or not.
     """
-    c, s = cos(pose_i[2]), sin(pose_i[2])
-    dx, dy = pose_j[0] - pose_i[0], pose_j[1] - pose_i[1]
-    jacobian = np.zeros((3, 6))
-    jacobian[0, 0], jacobian[0, 1], jacobian[1, 0], jacobian[1, 1] = -c, -s, s, -c
-    jacobian[0, 3], jacobian[0, 4], jacobian[1, 3], jacobian[1, 4] = c, s, -s, c
-    if not linear:
-        jacobian[0, 2], jacobian[1, 2], jacobian[2, 2] = -s * dx + c * dy, -c * dx - s * dy, -1.0
-        jacobian[2, 5] = 1.0
-    return jacobian
+
+    slot: IntArray
+    turned: IntArray
+    diagonal: Array  # (n, 3, 3)
+    beside: Array  # (b, 3, 3)
+    gradient: Array  # (n, 3)
 
 
 @njit(cache=True)
-def edge_blocks(
-    poses: Array, pairs: IntArray, measured: Array, information: Array, linear: bool
-) -> tuple[Array, Array]:
-    """Return J' Omega J (k, 6, 6) and J' Omega e (k, 6) of every edge."""
-    errors = edge_errors(poses, pairs, measured)
-    hessians = np.empty((pairs.shape[0], 6, 6))
-    gradients = np.empty((pairs.shape[0], 6))
-    for k in range(pairs.shape[0]):
-        jacobian = edge_jacobian(poses[pairs[k, 0]], poses[pairs[k, 1]], linear)
-        weighted = jacobian.T @ information[k]
-        hessians[k] = weighted @ jacobian
-        gradients[k] = weighted @ errors[k]
-    return hessians, gradients
+def link_error(a: Array, b: Array, measured: Array) -> tuple[float, float, float]:
+    """Return e of vertex b seen from vertex a, each (3,)."""
+    c, s = cos(a[2]), sin(a[2])
+    dx, dy = b[0] - a[0], b[1] - a[1]
+    turn = b[2] - a[2] - measured[2]
+    return (
+        c * dx + s * dy - measured[0],
+        -s * dx + c * dy - measured[1],
+        atan2(sin(turn), cos(turn)),
+    )
 
 
 @njit(cache=True)
-def sighting_errors(poses: Array, tags: Array, pairs: IntArray, offsets: Array) -> Array:
-    """Return e = R_i' (tag - t_i) - offset, shape (s, 2), in the base frame of the sighting pose."""
-    errors = np.empty((pairs.shape[0], 2))
-    for k in range(pairs.shape[0]):
-        i, j = pairs[k, 0], pairs[k, 1]
-        c, s = cos(poses[i, 2]), sin(poses[i, 2])
-        dx, dy = tags[j, 0] - poses[i, 0], tags[j, 1] - poses[i, 1]
-        errors[k, 0] = c * dx + s * dy - offsets[k, 0]
-        errors[k, 1] = -s * dx + c * dy - offsets[k, 1]
-    return errors
-
-
-@njit(cache=True)
-def sighting_jacobian(pose: Array, tag: Array, linear: bool) -> Array:
-    """Return the Jacobian (2, 5) of a sighting's error by the pose and the tag."""
-    c, s = cos(pose[2]), sin(pose[2])
-    dx, dy = tag[0] - pose[0], tag[1] - pose[1]
-    jacobian = np.zeros((2, 5))
-    jacobian[0, 0], jacobian[0, 1], jacobian[1, 0], jacobian[1, 1] = -c, -s, s, -c
-    jacobian[0, 3], jacobian[0, 4], jacobian[1, 3], jacobian[1, 4] = c, s, -s, c
-    if not linear:
-        jacobian[0, 2], jacobian[1, 2] = -s * dx + c * dy, -c * dx - s * dy
-    return jacobian
-
-
-@njit(cache=True)
-def sighting_blocks(
-    poses: Array,
-    tags: Array,
-    pairs: IntArray,
-    offsets: Array,
-    information: Array,
-    kernel_sd: float,
-    linear: bool,
-) -> tuple[Array, Array]:
-    """Return w J' Omega J (s, 5, 5) and w J' Omega e (s, 5).
-
-    w = kernel / |e| beyond the Huber kernel, else 1.
-    """
-    errors = sighting_errors(poses, tags, pairs, offsets)
-    hessians = np.empty((pairs.shape[0], 5, 5))
-    gradients = np.empty((pairs.shape[0], 5))
-    for k in range(pairs.shape[0]):
-        e = errors[k]
-        norm = sqrt(
-            e[0] * (information[k, 0, 0] * e[0] + 2.0 * information[k, 0, 1] * e[1])
-            + information[k, 1, 1] * e[1] * e[1]
+def link_chi2(state: Array, pairs: IntArray, measured: Array, information: Array) -> Array:
+    """Return e' Omega e of each link, (k,): their sum is g2o's chi2."""
+    result = np.empty(len(pairs))
+    for k in range(len(pairs)):
+        o = information[k]
+        e0, e1, e2 = link_error(state[pairs[k, 0]], state[pairs[k, 1]], measured[k])
+        result[k] = (
+            e0 * (o[0, 0] * e0 + 2.0 * (o[0, 1] * e1 + o[0, 2] * e2))
+            + e1 * (o[1, 1] * e1 + 2.0 * o[1, 2] * e2)
+            + e2 * e2 * o[2, 2]
         )
-        weight = 1.0 if norm <= kernel_sd else kernel_sd / norm
-        jacobian = sighting_jacobian(poses[pairs[k, 0]], tags[pairs[k, 1]], linear)
-        weighted = weight * (jacobian.T @ information[k])
-        hessians[k] = weighted @ jacobian
-        gradients[k] = weighted @ e
-    return hessians, gradients
+    return result
 
 
-def heading_errors(poses: Array, index: IntArray, headings: Array) -> Array:
-    """Return wrap(theta_i - heading), shape (h,)."""
-    return wrap_array(poses[index, 2] - headings)
+@njit(cache=True)
+def largest_turn(state: Array, factors: Factors) -> float:
+    """Return the largest heading error of the links that measure one, in radians."""
+    worst = 0.0
+    for k in range(len(factors.pairs)):
+        if factors.information[k, 2, 2] > 0.0:
+            a, b = factors.pairs[k]
+            worst = max(worst, abs(link_error(state[a], state[b], factors.measured[k])[2]))
+    return worst
 
 
-def pose_prior_errors(poses: Array, index: IntArray, priors: Array) -> Array:
-    """Return pose - prior with the heading wrapped, shape (p, 3)."""
-    errors = poses[index] - priors
-    errors[:, 2] = wrap_array(errors[:, 2])
-    return errors
+@njit(cache=True)
+def linearise(state: Array, factors: Factors, equations: Equations, kernel_sd: float, linear: bool) -> float:
+    """Write the normal equations at ``state`` and return W there: errors, blocks and sum in one pass.
+
+    ``linear`` holds the headings as they are, as Kleiner does with his compass.
+    """
+    diagonal, beside, gradient = equations.diagonal, equations.beside, equations.gradient
+    diagonal[:] = 0.0
+    beside[:] = 0.0
+    gradient[:] = 0.0
+    total = 0.0
+    for k in range(len(factors.pairs)):
+        i, j = factors.pairs[k, 0], factors.pairs[k, 1]
+        o = factors.information[k]
+        o00, o01, o11 = o[0, 0], o[0, 1], o[1, 1]
+        o02, o12, o22 = o[0, 2], o[1, 2], o[2, 2]
+        c, s = cos(state[i, 2]), sin(state[i, 2])
+        dx, dy = state[j, 0] - state[i, 0], state[j, 1] - state[i, 1]
+        e0 = c * dx + s * dy - factors.measured[k, 0]
+        e1 = -s * dx + c * dy - factors.measured[k, 1]
+        q0, q1, e2 = 0.0, 0.0, 0.0
+        if linear:  # the inverse of the places' own covariance
+            if o22 > 0.0:
+                o00, o01, o11 = o00 - o02 * o02 / o22, o01 - o02 * o12 / o22, o11 - o12 * o12 / o22
+            o02, o12, o22 = 0.0, 0.0, 0.0
+        else:
+            q0, q1 = -dy, dx
+            if o22 > 0.0:
+                turn = state[j, 2] - state[i, 2] - factors.measured[k, 2]
+                e2 = atan2(sin(turn), cos(turn))
+        w0 = o00 * e0 + o01 * e1 + o02 * e2
+        w1 = o01 * e0 + o11 * e1 + o12 * e2
+        w2 = o02 * e0 + o12 * e1 + o22 * e2
+        square = w0 * e0 + w1 * e1 + w2 * e2
+        weight = 1.0
+        if k >= factors.robust_from and square > kernel_sd * kernel_sd:
+            weight = kernel_sd / sqrt(square)
+            square = 2.0 * kernel_sd * sqrt(square) - kernel_sd * kernel_sd
+        total += square
+        if equations.slot[k] < 0:
+            continue  # a vertex seen from itself: the error is what it is, nothing moves it
+        # M = T' Omega T and r = T' Omega e, eq. (H)
+        a00, a01 = c * o00 - s * o01, c * o01 - s * o11
+        a10, a11 = s * o00 + c * o01, s * o01 + c * o11
+        m00, m01, m11 = (
+            weight * (a00 * c - a01 * s),
+            weight * (a00 * s + a01 * c),
+            weight * (a10 * s + a11 * c),
+        )
+        m02, m12, m22 = weight * (c * o02 - s * o12), weight * (s * o02 + c * o12), weight * o22
+        r0, r1, r2 = weight * (c * w0 - s * w1), weight * (s * w0 + c * w1), weight * w2
+        # the third column of M S, and the last entry of S' M S
+        n02, n12, n22 = m00 * q0 + m01 * q1 + m02, m01 * q0 + m11 * q1 + m12, m02 * q0 + m12 * q1 + m22
+        last = q0 * n02 + q1 * n12 + n22
+        gradient[j, 0] += r0
+        gradient[j, 1] += r1
+        gradient[j, 2] += r2
+        gradient[i, 0] -= r0
+        gradient[i, 1] -= r1
+        gradient[i, 2] -= q0 * r0 + q1 * r1 + r2
+        _add(diagonal[j], m00, m01, m02, m01, m11, m12, m02, m12, m22)
+        _add(diagonal[i], m00, m01, n02, m01, m11, n12, n02, n12, last)
+        block = beside[equations.slot[k]]
+        if equations.turned[k]:
+            _add(block, -m00, -m01, -m02, -m01, -m11, -m12, -n02, -n12, -n22)
+        else:
+            _add(block, -m00, -m01, -n02, -m01, -m11, -n12, -m02, -m12, -n22)
+    for k in range(len(factors.anchored)):
+        i = factors.anchored[k]
+        for d in range(2 if linear else 3):
+            error = state[i, d] - factors.values[k, d]
+            if d == 2:
+                error = atan2(sin(error), cos(error))
+            weight = factors.weights[k, d]
+            total += weight * error * error
+            diagonal[i, d, d] += weight
+            gradient[i, d] += weight * error
+    for i in range(len(state)):
+        for d in range(3):  # headings that are held, those that tags do not have, what nobody measured
+            if (linear and d == 2) or diagonal[i, d, d] == 0.0:
+                diagonal[i, d, d] = 1.0
+                gradient[i, d] = 0.0
+    return total
+
+
+@njit(cache=True, inline="always")
+def _add(
+    block: Array,
+    b00: float,
+    b01: float,
+    b02: float,
+    b10: float,
+    b11: float,
+    b12: float,
+    b20: float,
+    b21: float,
+    b22: float,
+) -> None:
+    block[0, 0] += b00
+    block[0, 1] += b01
+    block[0, 2] += b02
+    block[1, 0] += b10
+    block[1, 1] += b11
+    block[1, 2] += b12
+    block[2, 0] += b20
+    block[2, 1] += b21
+    block[2, 2] += b22
+
+
+@njit(cache=True)
+def linearise_turns(state: Array, factors: Factors, equations: Equations) -> None:
+    """Write the equations of the chordal relaxation (Carlone et al. 2015), in which no start is needed.
+
+    Each heading is a free vector z = (cos, sin); minimised is the sum of w |z_b - R_ab z_a|^2, a linear
+    problem. The blocks take the places of the graph's own.
+    """
+    diagonal, beside, gradient = equations.diagonal, equations.beside, equations.gradient
+    diagonal[:] = 0.0
+    beside[:] = 0.0
+    gradient[:] = 0.0
+    for k in range(len(factors.pairs)):
+        weight = factors.information[k, 2, 2]
+        if equations.slot[k] < 0 or weight <= 0.0:
+            continue
+        c, s = weight * cos(factors.measured[k, 2]), weight * sin(factors.measured[k, 2])
+        block = beside[equations.slot[k]]
+        across = s if equations.turned[k] else -s
+        block[0, 0] -= c
+        block[1, 1] -= c
+        block[0, 1] -= across
+        block[1, 0] += across
+        for i in factors.pairs[k]:
+            diagonal[i, 0, 0] += weight
+            diagonal[i, 1, 1] += weight
+    for k in range(len(factors.anchored)):
+        i, weight = factors.anchored[k], factors.weights[k, 2]
+        diagonal[i, 0, 0] += weight
+        diagonal[i, 1, 1] += weight
+        gradient[i, 0] -= weight * cos(factors.values[k, 2])
+        gradient[i, 1] -= weight * sin(factors.values[k, 2])
+    for i in range(len(state)):
+        diagonal[i, 2, 2] = 1.0
+        if diagonal[i, 0, 0] == 0.0:  # nobody measured its heading: it stays what it is
+            diagonal[i, 0, 0] = diagonal[i, 1, 1] = 1.0
+            gradient[i, 0], gradient[i, 1] = -cos(state[i, 2]), -sin(state[i, 2])

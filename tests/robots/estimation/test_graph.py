@@ -7,16 +7,11 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from robots.estimation.graph import GraphProblem, NormalEquations, solve
-from robots.estimation.graph_factors import (
-    edge_errors,
-    edge_jacobian,
-    heading_errors,
-    pose_prior_errors,
-    sighting_errors,
-    sighting_jacobian,
-)
-from robots.se2 import wrap_array
+from robots.estimation.graph import GraphProblem, solve
+from robots.estimation.graph_factors import Equations, linearise, link_error
+from robots.estimation.graph_order import Order, order
+from robots.estimation.graph_problem import assemble
+from robots.se2 import Pose2, wrap_array
 
 NO_KERNEL = 1e9
 
@@ -60,42 +55,70 @@ def reference(problem: GraphProblem, kernel_sd: float) -> tuple[np.ndarray, np.n
     return found.x[:n].reshape(-1, 3), found.x[n:].reshape(-1, 2), 2.0 * float(found.cost)
 
 
+def room_for(count: int, pairs: np.ndarray) -> tuple[Order, Equations]:
+    frame, slot, turned = order(count, pairs)
+    blocks = np.empty((len(frame.entries), 3, 3))
+    return frame, Equations(slot, turned, np.empty((count, 3, 3)), blocks, np.empty((count, 3)))
+
+
+def dense(equations: Equations, pairs: np.ndarray) -> np.ndarray:
+    """The whole matrix of the normal equations."""
+    n = len(equations.diagonal)
+    matrix = np.zeros((n, 3, n, 3))
+    for i in range(n):
+        matrix[i, :, i] = equations.diagonal[i]
+    for (a, b), slot, turned in zip(pairs, equations.slot, equations.turned, strict=True):
+        if slot >= 0:
+            block = equations.beside[slot] if turned else equations.beside[slot].T  # a by b
+            matrix[a, :, b], matrix[b, :, a] = block, block.T
+    return matrix.reshape(3 * n, 3 * n)
+
+
 @pytest.mark.parametrize("seed", range(5))
-def test_edge_and_sighting_jacobians_by_finite_differences(seed):
-    rng = np.random.default_rng(seed)
-    poses = np.column_stack([rng.uniform(-3, 3, (2, 2)), rng.uniform(-pi, pi, 2)])
-    tag, h = rng.uniform(-3, 3, 2), 1e-6
-    pair, zero3, zero2 = np.array([[0, 1]]), np.zeros((1, 3)), np.zeros((1, 2))
-    measured_pose = zero3.copy()
-    measured_pose[0, 2] = poses[1, 2] - poses[0, 2]  # residual near 0: no wrap between the two differences
-
-    def edge(values: np.ndarray) -> np.ndarray:
-        return edge_errors(values.reshape(2, 3), pair, measured_pose)[0]
-
-    def sighting(values: np.ndarray) -> np.ndarray:
-        return sighting_errors(values[None, :3], values[None, 3:], np.zeros((1, 2), np.int64), zero2)[0]
-
-    for function, at, jacobian in (
-        (edge, poses.ravel(), edge_jacobian(poses[0], poses[1], False)),
-        (sighting, np.concatenate([poses[0], tag]), sighting_jacobian(poses[0], tag, False)),
-    ):
-        columns = [(function(at + h * unit) - function(at - h * unit)) / (2 * h) for unit in np.eye(len(at))]
-        np.testing.assert_allclose(jacobian, np.column_stack(columns), atol=1e-8)
-    linear = edge_jacobian(poses[0], poses[1], True)
-    full = edge_jacobian(poses[0], poses[1], False)
-    assert np.array_equal(linear[:2][:, [0, 1, 3, 4]], full[:2][:, [0, 1, 3, 4]])
-    assert not linear[:, [2, 5]].any()
-    assert not linear[2].any()
+@pytest.mark.parametrize("kernel_sd", [NO_KERNEL, 1.0])
+def test_the_normal_equations_are_those_of_finite_differences(graphs, seed, kernel_sd):
+    """Blocks and gradient against J'J and J'r of the residuals written anew; with a kernel, the gradient."""
+    rng = np.random.default_rng([40, seed])
+    problem = graphs.measured(rng, *graphs.truth_of(rng, 6, 3), moved=0.1)
+    state, factors = assemble(problem)
+    _, equations = room_for(9, factors.pairs)
+    chi2 = linearise(state, factors, equations, kernel_sd, False)
+    values, h = np.concatenate([problem.poses.ravel(), problem.tags.ravel()]), 1e-6
+    J = np.column_stack([
+        whitened(problem, kernel_sd, values + h * u) - whitened(problem, kernel_sd, values - h * u)
+        for u in np.eye(len(values))
+    ]) / (2 * h)  # fmt: skip
+    residuals = whitened(problem, kernel_sd, values)
+    assert chi2 == pytest.approx(residuals @ residuals, rel=1e-10)
+    kept = [k for k in range(27) if k < 18 or k % 3 < 2]  # tags have no heading
+    scale = np.sqrt(np.diag(J.T @ J))
+    found = equations.gradient.ravel()[kept]
+    np.testing.assert_allclose(found / scale, J.T @ residuals / scale, atol=1e-5 * np.linalg.norm(residuals))
+    if kernel_sd == NO_KERNEL:
+        H = dense(equations, factors.pairs)[np.ix_(kept, kept)]
+        np.testing.assert_allclose(H / np.outer(scale, scale), J.T @ J / np.outer(scale, scale), atol=1e-7)
 
 
-def test_errors_of_headings_and_priors_take_the_short_way_round():
-    poses = np.array([[1.0, 2.0, 3.1], [0.0, 0.0, -3.1]])
-    index = np.array([0, 1])
-    np.testing.assert_allclose(
-        heading_errors(poses, index, np.array([-3.1, 3.1])), [6.2 - 2 * pi, 2 * pi - 6.2], atol=1e-12
+def test_two_edges_between_the_same_poses_add_up_whichever_way_they_point(graphs):
+    rng = np.random.default_rng(41)
+    problem = graphs.measured(rng, *graphs.truth_of(rng, 6, 0), moved=0.1)
+    there = problem.edge_poses[2]
+    back = Pose2.from_array(there).inverse().as_array() + 0.05 * rng.normal(size=3)
+    twice = replace(
+        problem,
+        edge_pairs=np.vstack([problem.edge_pairs, [[3, 2], [2, 3]]]),
+        edge_poses=np.vstack([problem.edge_poses, back, there + 0.05 * rng.normal(size=3)]),
+        edge_covariances=np.concatenate([problem.edge_covariances, 0.01 * np.array([np.eye(3)] * 2)]),
     )
-    off = pose_prior_errors(poses, index, np.array([[0.5, 2.0, -3.1], [0.0, 1.0, 3.1]]))
-    np.testing.assert_allclose(off, [[0.5, 0.0, 6.2 - 2 * pi], [0.0, -1.0, 2 * pi - 6.2]], atol=1e-12)
+    solution = solve(twice, max_iterations=100)
+    assert solution.chi2 == pytest.approx(reference(twice, NO_KERNEL)[2], rel=1e-6)
+
+
+def test_errors_of_headings_take_the_short_way_round():
+    looking_west = np.array([[1.0, 2.0, 3.1], [0.0, 0.0, -3.1]])
+    measured = np.array([0.0, 0.0, 0.0])
+    assert link_error(looking_west[0], looking_west[1], measured)[2] == pytest.approx(2 * pi - 6.2)
+    assert link_error(looking_west[1], looking_west[0], measured)[2] == pytest.approx(6.2 - 2 * pi)
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -258,28 +281,6 @@ def _linear_normal(problem: GraphProblem) -> np.ndarray:
     hold[:, :2] = np.diag(1.0 / problem.prior_sds[0, :2])
     J = np.vstack([*rows, hold])
     return np.asarray(J.T @ J)
-
-
-def test_the_pattern_keeps_explicit_zeros_between_factorisations(graphs):
-    """Headings of 0 make half of every block zero; qdldl must not lose those places for the next values."""
-    rng = np.random.default_rng(7)
-    problem = graphs.measured(rng, *graphs.truth_of(rng, 5, 2))
-    equations = NormalEquations(problem)
-    k, s = len(problem.edge_pairs), len(problem.sighting_pairs)
-    diagonal = np.full(equations.size, 2.0)
-    equations.factorise(np.zeros((k, 6, 6)), np.zeros((s, 5, 5)), diagonal)
-    right = rng.standard_normal(equations.size)
-    np.testing.assert_allclose(equations.solve(right), right / 2.0, atol=1e-12)
-    roots = rng.standard_normal((k, 6, 6)), rng.standard_normal((s, 5, 5))
-    blocks = [root @ root.transpose(0, 2, 1) for root in roots]
-    equations.factorise(blocks[0], blocks[1], diagonal)
-    dense = np.diag(diagonal)
-    for variables, hessians in ((equations.edge_variables, blocks[0]), (equations.seen_variables, blocks[1])):
-        for at, block in zip(variables, hessians, strict=True):
-            dense[np.ix_(at, at)] += block
-    np.testing.assert_allclose(equations.solve(right), np.linalg.solve(dense, right), rtol=1e-8, atol=1e-10)
-    equations.factorise(np.zeros((k, 6, 6)), np.zeros((s, 5, 5)), diagonal)
-    np.testing.assert_allclose(equations.solve(right), right / 2.0, atol=1e-12)
 
 
 def test_a_graph_along_the_axes_is_solved_like_any_other():
