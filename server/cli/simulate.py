@@ -60,6 +60,12 @@ def simulate(
     laser_range: Annotated[float, _sensor("METRES", "Range of the laser.")] = 4.0,
     laser_view: Annotated[float, _sensor("DEGREES", "Field of view of the laser.")] = 240.0,
     laser_hz: Annotated[float, _sensor("HZ", "Scans a second.")] = 5.0,
+    sonars: Annotated[
+        int, typer.Option(metavar="N", help="Sonars round the robot.", rich_help_panel="Sensors")
+    ] = 0,
+    infrareds: Annotated[
+        int, typer.Option(metavar="N", help="Infrared rangers round the robot.", rich_help_panel="Sensors")
+    ] = 0,
     no_imu: Annotated[
         bool, typer.Option("--no-imu", help="No heading from an IMU.", rich_help_panel="Sensors")
     ] = False,
@@ -94,6 +100,8 @@ def simulate(
             laser=LaserConfig(radians(laser_view), laser_beams, laser_range),
             laser_hz=laser_hz,
             imu=not no_imu,
+            sonars=sonars,
+            infrareds=infrareds,
         )
         outcome = play(config)
     except (ScenarioError, WorldError) as error:
