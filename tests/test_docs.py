@@ -17,8 +17,8 @@ ROOT = Path(__file__).parent.parent
 def test_every_command_is_in_the_readme() -> None:
     readme = (ROOT / "README.md").read_text()
     commands = set(typer.main.get_command(build()).commands)  # type: ignore[attr-defined]
-    missing = {name for name in commands - {"warm"} if f"waymark {name}" not in readme}
-    assert missing == {"demo"} or not missing  # `make run` is the demonstration
+    elsewhere = {"demo", "warm"}  # `make run` is the demonstration, `make setup` warms up
+    assert {name for name in commands - elsewhere if f"waymark {name}" not in readme} == set()
 
 
 def test_links_between_documents_lead_somewhere() -> None:
