@@ -15,6 +15,7 @@ from zlib import crc32
 import numpy as np
 
 from robots.config import AgentConfig
+from robots.estimation.slip import SlipDetector
 from robots.estimation.tag_graph import TagGraph
 from robots.estimation.tracking import PoseTracker
 from robots.exploration.explorer import Decision, Explorer
@@ -24,7 +25,7 @@ from robots.se2 import GaussianPose, Pose2
 from robots.snapshot import freeze, thaw
 from robots.tags.deployment import TagDropper
 from robots.tags.memory import TagMemoryError, decode_memory, encode_memory, observed_memory
-from robots.types import AgentUpdate, Command, Observation, TagSighting, TagWrite
+from robots.types import AgentUpdate, Command, Observation, Odometry, TagSighting, TagWrite
 from robots.victims import VictimTracker
 
 _SAME_PASS_M = 0.4  # a tag read again within so much driving is the same pass
@@ -48,6 +49,7 @@ class RobotAgent:
         self._explorer = Explorer(config, (config.seed, own, 1))
         self._dropper = TagDropper(config.deployment, config.mapping, (config.seed, own, 2))
         self._victims = VictimTracker(robot_id, config.victims)
+        self._slip = SlipDetector(config.odometry.slip) if config.odometry.slip != "off" else None
         self._maps = MapKeeper(config.mapping)
         self._tracker: PoseTracker | None = None
         self._graph: TagGraph | None = None
@@ -69,7 +71,8 @@ class RobotAgent:
         odometry = observation.odometry if self._last is not None else None
         tracker, graph = self._start(observation)
         # pressed against something, the wheels turn on the spot
-        slipping = observation.bumper and self.config.poses == "slam"
+        slipping = self._wheels_slip(observation, odometry) or observation.bumper
+        slipping = slipping and self.config.poses == "slam"
         tracker.predict(observation.stamp_s, odometry, observation.imu, slipping)  # (1), (2)
         if observation.scan is not None:
             tracker.match(observation.scan)  # (3), (4)
@@ -154,6 +157,13 @@ class RobotAgent:
             self._maps.begin(0, start, self._tracker.local_from_base, 0.0)
             self._maps.add_free(self._tracker.local_from_base, self.config.body.radius_m)
         return self._tracker, self._graph
+
+    def _wheels_slip(self, observation: Observation, odometry: Odometry | None) -> bool:
+        if self._slip is None:
+            return False
+        told = None if self._update is None else self._update.command
+        in_force = Command() if observation.held else told
+        return self._slip.observe(observation.stamp_s, odometry, observation.imu, in_force)
 
     def _pass_tags(
         self, observation: Observation, tracker: PoseTracker, graph: TagGraph
