@@ -25,8 +25,9 @@ EXTENDED_FEATURES = (
     "speed_mps",
     "gain_mps",  # speed now beyond that of the window
     "command_mps",
-    "command_beyond_speed_mps",
-    "fastest_beyond_command_mps",
+    "command_change_mps",  # from that of the window
+    "command_beyond_speed_mps",  # both of the window
+    "fastest_beyond_command_mps",  # of the wheels, each less what the turn makes of it
     "slowest_beyond_command_mps",
     "wheel_turn_mps",  # half of right side less left side
     "yaw_radps",
@@ -102,13 +103,14 @@ def extended_features(moments: Sequence[Moment], since: Moment, noise: Noise) ->
     now = moments[-1]
     time_s = sum(moment.since_s for moment in moments)
     wheels = [0.0, 0.0, 0.0, 0.0]
-    command_radps = 0.0
+    command_mps = command_radps = 0.0
     for moment in moments:
         if moment.command is None:
             return None
         share = moment.since_s / time_s
         for k in range(4):
             wheels[k] += share * moment.wheels[k]
+        command_mps += share * moment.command[0]
         command_radps += share * moment.command[1]
     if now.command is None or now.yaw_rad is None or since.yaw_rad is None:
         return None
@@ -118,8 +120,9 @@ def extended_features(moments: Sequence[Moment], since: Moment, noise: Noise) ->
     by_time = zip(*(differences(moment.wheels) for moment in moments), strict=True)
     speed = sum(seen) / 4.0
     wheel_turn = (seen[1] + seen[3] - seen[0] - seen[2]) / 2.0
-    command_mps = ahead * now.command[0]
+    command_mps *= ahead
     command_radps *= left
+    straight = [seen[k] - (wheel_turn if k % 2 else -wheel_turn) for k in range(4)]
     rolled_m = sum(moment.rolled_m for moment in moments)
     apart = _trust(noise.differences, rolled_m, time_s)
     mean = _trust(noise.mean, rolled_m, time_s)
@@ -132,9 +135,10 @@ def extended_features(moments: Sequence[Moment], since: Moment, noise: Noise) ->
         speed,
         mean_now * (ahead * sum(now.wheels) / 4.0 - speed),
         command_mps,
+        ahead * now.command[0] - command_mps,
         mean * (command_mps - speed),
-        mean * (max(seen) - command_mps),
-        mean * (min(seen) - command_mps),
+        mean * (max(straight) - command_mps),
+        mean * (min(straight) - command_mps),
         wheel_turn,
         yaw_radps,
         command_radps,

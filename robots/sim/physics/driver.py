@@ -34,6 +34,8 @@ class Driver:
         self._back_s = 0.0
         self._back = (0.0, 0.0)
         self._before = Pose2()
+        self._sway_rad = 0.0  # a planned path is crooked, and the pose it starts from jumps
+        self._caution = 0.0  # what is near makes it slow down
         self._choose()
 
     def decide(self, pose: Pose2) -> tuple[float, float]:
@@ -55,12 +57,17 @@ class Driver:
         return self._towards(pose)
 
     def _towards(self, pose: Pose2) -> tuple[float, float]:
-        error = wrap(atan2(self._goal[1] - pose.y, self._goal[0] - pose.x) - pose.theta)
+        sway, caution = self._rng.standard_normal(2)
+        self._sway_rad = 0.7 * self._sway_rad + 0.15 * float(sway)
+        self._caution = 0.8 * self._caution + 0.25 * float(caution)
+        bearing = atan2(self._goal[1] - pose.y, self._goal[0] - pose.x) + self._sway_rad
+        error = wrap(bearing - pose.theta)
         most = self._body.max_turn_radps
         turn = min(most, max(-most, self._gain * error))
         if abs(error) > _TURN_ON_SPOT_RAD:
             return 0.0, turn
-        return self._pace_mps * max(0.2, cos(error)) * max(0.3, 1.0 - abs(error)), turn
+        speed = self._pace_mps * max(0.2, cos(error)) * max(0.3, 1.0 - abs(error))
+        return speed * min(1.0, max(0.2, 1.0 - abs(self._caution))), turn
 
     def _choose(self) -> None:
         rng = self._rng
