@@ -155,6 +155,13 @@ class GraphReport:
 
     ``sighting_pairs`` (s, 2) pose index, tag index, ``sighting_offsets`` (s, 2) tag in the base frame,
     ``sighting_covariances`` (s, 2, 2) antenna footprint in the base frame.
+
+    ``loop_pairs`` (l, 2) pose indices i, j that a laser match at a known tag joined, ``loop_poses`` (l, 3)
+    matched pose of j in i, ``loop_covariances`` (l, 3, 3). A match can be wrong: solvers give it a kernel.
+
+    ``meeting_robots`` r names of robots that were seen, ``meeting_poses`` (r,) index of the pose vertex,
+    ``meeting_stamps_s`` (r,) when, ``meeting_offsets`` (r, 2) the other's base in the vertex' frame,
+    ``meeting_covariances`` (r, 2, 2).
     """
 
     poses: Array
@@ -168,6 +175,14 @@ class GraphReport:
     sighting_pairs: IntArray
     sighting_offsets: Array
     sighting_covariances: Array
+    loop_pairs: IntArray = field(default_factory=lambda: np.zeros((0, 2), np.int64))
+    loop_poses: Array = field(default_factory=lambda: np.zeros((0, 3)))
+    loop_covariances: Array = field(default_factory=lambda: np.zeros((0, 3, 3)))
+    meeting_robots: tuple[str, ...] = ()
+    meeting_poses: IntArray = field(default_factory=lambda: np.zeros(0, np.int64))
+    meeting_stamps_s: Array = field(default_factory=lambda: np.zeros(0))
+    meeting_offsets: Array = field(default_factory=lambda: np.zeros((0, 2)))
+    meeting_covariances: Array = field(default_factory=lambda: np.zeros((0, 2, 2)))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
