@@ -24,7 +24,7 @@ from robots.se2 import GaussianPose, Pose2
 from robots.snapshot import freeze, thaw
 from robots.tags.deployment import TagDropper
 from robots.tags.memory import TagMemoryError, decode_memory, encode_memory, observed_memory
-from robots.types import AgentUpdate, Command, Observation, TagSighting, TagWrite
+from robots.types import AgentUpdate, Command, Observation, RobotSighting, TagSighting, TagWrite
 from robots.victims import VictimTracker
 
 _SAME_PASS_M = 0.4  # a tag read again within so much driving is the same pass
@@ -143,6 +143,13 @@ class RobotAgent:
         imu = observation.imu
         if imu is not None and not all(map(isfinite, (imu.yaw_rad, imu.roll_rad, imu.pitch_rad))):
             raise ObservationError("imu holds a value that is not finite")
+        for sighting in observation.tag_sightings:
+            if (sighting.range_m is None) != (sighting.bearing_rad is None):
+                raise ObservationError(f"sighting of {sighting.tag_id} has to have range and bearing or none")
+        seen: tuple[TagSighting | RobotSighting, ...]
+        seen = (*observation.tag_sightings, *observation.robot_sightings)
+        if not all(isfinite(s.range_m or 0.0) and isfinite(s.bearing_rad or 0.0) for s in seen):
+            raise ObservationError("a sighting holds a value that is not finite")
 
     def _start(self, observation: Observation) -> tuple[PoseTracker, TagGraph]:
         """Begin the map at the first observation; with an inertial unit its x axis points north."""
