@@ -31,8 +31,8 @@ _TYRE_N_PER_M, _TYRE_NS_PER_M = 10_000.0, 300.0  # rigid wheels would hop when t
 class Build:
     """One robot and its arena.
 
-    ``motor_gains`` and ``encoder_gains`` (4,) in the order of ``WHEELS``: what each wheel makes of its voltage
-    and what its encoder makes of its rolling. ``stiffness`` is the torque a motor loses per rad/s
+    ``motor_gains`` and ``encoder_gains`` (4,) in the order of ``WHEELS``: what each wheel makes of its
+    voltage and what its encoder makes of its rolling. ``stiffness`` is the torque a motor loses per rad/s
     (N m s / rad), ``torque_nm`` the most it has. ``obstacles`` (n, 3): x, y and half side (m) of what is
     fixed; ``crates`` (m, 3): x, y, mass (kg) of what can be pushed.
     """
@@ -84,7 +84,7 @@ def _strewn(rng: np.random.Generator, count: int, low: float, high: float) -> Ar
 def model_xml(build: Build) -> str:
     """Return the MJCF model of a robot in its arena, standing in the middle.
 
-    The wheels' friction outranks the floor's, so that setting it from the patch below each is all a patch takes.
+    The wheels' friction outranks the floor's: a patch takes no more than setting that of the wheels on it.
     """
     root = Xml.Element("mujoco")
     Xml.SubElement(

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from math import atan2, cos, pi, sin, sqrt
+from math import atan2, pi, sqrt
 from typing import Any
 
 import numpy as np
@@ -41,9 +41,9 @@ class Sample:
 class Drive:
     """n observations about 20 times a second.
 
-    ``stamps_s`` (n,), ``rolled_m`` (n, 4) as the encoders report, ``yaws_rad`` (n,) as the inertial unit does,
-    ``commands`` (n, 2) in force before each observation. Truth: ``poses`` (n + 1, 3) of the base on the floor,
-    from before the first observation on; ``true_rolled_m`` (n, 4) of the wheels' rims.
+    ``stamps_s`` (n,), ``rolled_m`` (n, 4) as the encoders report, ``yaws_rad`` (n,) as the inertial unit
+    does, ``commands`` (n, 2) in force before each observation. Truth: ``poses`` (n + 1, 3) of the base on the
+    floor, from before the first observation on; ``true_rolled_m`` (n, 4) of the wheels' rims.
     """
 
     stamps_s: Array
@@ -144,7 +144,9 @@ class _Machine:
         aside = turn * self._factor * TRACK_M / 2.0
         left, right = (speed - aside) / RADIUS_M, (speed + aside) / RADIUS_M
         self._data.ctrl[:] = left, right, left, right
-        self._model.geom_friction[self._geoms, 0] = self._floor.friction(self._data.geom_xpos[self._geoms, :2])
+        self._model.geom_friction[self._geoms, 0] = self._floor.friction(
+            self._data.geom_xpos[self._geoms, :2]
+        )
         x, y = self._data.qpos[self._base : self._base + 2]
         self._model.opt.gravity[:] = self._floor.gravity(x, y)
         self._mujoco.mj_step(self._model, self._data, nstep=round(_CONTROL_S / STEP_S))
@@ -158,7 +160,8 @@ class _Machine:
 
     def angles(self) -> Array:
         """Return how far each wheel has turned, (4,), in radians."""
-        return self._data.qpos[self._wheels].copy()
+        angles: Array = self._data.qpos[self._wheels]
+        return angles
 
 
 class _Sensors:

@@ -61,7 +61,9 @@ def fit_trees(learnt: Lessons) -> SlipTrees:
     )
 
 
-def _fit(features: Array, slips: NDArray[np.bool_], names: tuple[str, ...], leaves: int, alarm: float) -> SlipTree:
+def _fit(
+    features: Array, slips: NDArray[np.bool_], names: tuple[str, ...], leaves: int, alarm: float
+) -> SlipTree:
     try:
         from sklearn.tree import DecisionTreeClassifier
     except ImportError:

@@ -39,7 +39,7 @@ class Floor:
         return found
 
     def gravity(self, x_m: float, y_m: float) -> tuple[float, float, float]:
-        """Return gravity in the floor's frame: a slope is a floor on which it does not point straight down."""
+        """Return gravity in the floor's frame, where it points aside on a slope."""
         away = np.hypot(x_m - self.slopes[:, 0], y_m - self.slopes[:, 1])
         share = np.clip((self.slopes[:, 2] - away) / _EDGE_M, 0.0, 1.0)
         rise_x, rise_y = (float(rise) for rise in share @ self.slopes[:, 3:])

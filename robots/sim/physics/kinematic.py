@@ -47,12 +47,14 @@ def drive_kinematic(
         pose = pose @ Pose2.exp(np.array([speed, 0.0, turn]) * _TICK_S * grip)
         aside = turn * TRACK_M / 2.0
         reading = encoders.read(speed, turn, _TICK_S, grip)
-        readings.append([reading.front_left_m, reading.front_right_m, reading.rear_left_m, reading.rear_right_m])
+        readings.append(
+            [reading.front_left_m, reading.front_right_m, reading.rear_left_m, reading.rear_right_m]
+        )
         rolled.append(np.array([speed - aside, speed + aside] * 2) * _TICK_S)
         headings.append(wrap(pose.theta + _YAW_SD_RAD * float(yaws.standard_normal())))
         commands.append(command)
         poses.append(pose.as_array())
-    stamps = _TICK_S * np.arange(1, len(headings) + 1)
+    stamps = np.array([_TICK_S * (tick + 1) for tick in range(len(headings))])
     return Drive(
         stamps, np.array(readings), np.array(headings), np.array(commands), np.array(poses), np.array(rolled)
     )

@@ -1,7 +1,8 @@
 """The truth about slippage: where the wheels' distance is wrong.
 
 Odometry takes the distance from the four wheels' mean and the turn from the inertial unit, so the wheels
-*slip* when their mean rolls further than the base is carried along its heading, in the direction they roll, by
+*slip* when their mean rolls further than the base is carried along its heading, in the direction they roll,
+by
 
     more than 0.1 m/s, and more than a quarter of what they roll, while they roll at all (0.05 m/s).
 
@@ -28,7 +29,7 @@ ROLLING_MPS = 0.05
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TrueMotion:
-    """Between n observations: ``wheels_mps`` (n,) mean of the four rims, ``base_mps`` (n,) along the heading."""
+    """Between n observations: ``wheels_mps`` (n,) mean of the rims, ``base_mps`` (n,) along the heading."""
 
     wheels_mps: Array
     base_mps: Array

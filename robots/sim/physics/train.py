@@ -1,6 +1,6 @@
-"""Train the slip trees: ``python -m robots.sim.physics.train --worlds 200 --seed 1 --out FILE``.
+"""Train the slip trees: ``python -m robots.sim.physics.train --worlds 120 --seed 1 --out FILE``.
 
-Takes about three seconds of one core a world. The same worlds and seed give the same file, as long as MuJoCo
+Takes about two seconds of one core a world. The same worlds and seed give the same file, as long as MuJoCo
 and scikit-learn are of the same versions.
 """
 
@@ -8,18 +8,20 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Sequence
 from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
 
 from robots.estimation.slip_tree import SlipTrees, dump_trees
-from robots.sim.physics.drive import Drive, PhysicsError, drive_world
+from robots.sim.physics.drive import PhysicsError, drive_world
 from robots.sim.physics.fit import Lessons, fit_trees, lessons
+from robots.sim.physics.kinematic import drive_kinematic
 from robots.sim.physics.labels import ROLLING_MPS, SLIP_MPS, SLIP_SHARE
 
-SECONDS = 60.0
+SECONDS = 45.0
+_KINEMATIC_SHARE = 0.25  # so many drives of the mission simulator for one of the physical one
 
 
 def world_seeds(seed: int, count: int) -> list[int]:
@@ -27,10 +29,16 @@ def world_seeds(seed: int, count: int) -> list[int]:
     return [int(value) for value in np.random.default_rng([seed, 77]).integers(0, 2**62, count)]
 
 
-def drive_worlds(seeds: list[int], seconds: float) -> Iterator[Drive]:
-    """Yield a drive through each world. Raises PhysicsError as ``drive_world`` does."""
-    for seed in seeds:
-        yield drive_world(seed, seconds)
+def world_lessons(world: int, seconds: float) -> Lessons:
+    """Return what a drive through a world teaches. Raises PhysicsError as ``drive_world`` does."""
+    return lessons([drive_world(world, seconds)])
+
+
+def kinematic_lessons(seeds: Sequence[int], seconds: float) -> list[Lessons]:
+    """Return what the mission simulator adds to drives through worlds of these seeds."""
+    return [
+        lessons([drive_kinematic(seed, seconds)]) for seed in seeds[: round(len(seeds) * _KINEMATIC_SHARE)]
+    ]
 
 
 def train(
@@ -41,12 +49,13 @@ def train(
     Raises:
         PhysicsError: MuJoCo or scikit-learn are not installed, or too little was driven.
     """
+    seeds = world_seeds(seed, worlds)
     learnt = []
-    for done, drive in enumerate(drive_worlds(world_seeds(seed, worlds), seconds)):
-        learnt.append(lessons([drive]))
+    for done, world in enumerate(seeds):
+        learnt.append(world_lessons(world, seconds))
         if progress is not None:
             progress(done + 1, worlds)
-    together = joined(learnt)
+    together = joined([*learnt, *kinematic_lessons(seeds, seconds)])
     return fit_trees(together), together
 
 
@@ -62,14 +71,17 @@ def joined(parts: list[Lessons]) -> Lessons:
 def main(arguments: list[str] | None = None) -> int:
     """Train and write the file."""
     parser = argparse.ArgumentParser(prog="python -m robots.sim.physics.train", description=__doc__)
-    parser.add_argument("--worlds", type=int, default=200, help="each with its own floor and robot")
+    parser.add_argument("--worlds", type=int, default=120, help="each with its own floor and robot")
     parser.add_argument("--seconds", type=float, default=SECONDS, help="of driving in each")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--out", type=Path, required=True, help="JSON file to write")
     given = parser.parse_args(arguments)
     try:
         trees, learnt = train(
-            given.worlds, given.seed, given.seconds, lambda k, n: print(f"\rworld {k} of {n}", end="", file=sys.stderr)
+            given.worlds,
+            given.seed,
+            given.seconds,
+            lambda k, n: print(f"\rworld {k} of {n}", end="", file=sys.stderr),
         )
     except PhysicsError as error:
         print(f"error: {error}", file=sys.stderr)
