@@ -66,11 +66,12 @@ class SlipDetector:
         if since_s < _ROUNDING_S:
             self._stamp_s = before
             return self.slipping
-        wheels = tuple(way / since_s for way in self._pending)
+        wheels = [way / since_s for way in self._pending]
         self._pending = [0.0, 0.0, 0.0, 0.0]
         if not all(map(isfinite, wheels)):
             return self._forget()
-        self._remember(Moment(stamp_s, since_s, wheels, self._unwrapped(imu), _motion(command)))  # type: ignore[arg-type]
+        four = wheels[0], wheels[1], wheels[2], wheels[3]
+        self._remember(Moment(stamp_s, since_s, four, self._unwrapped(imu), _motion(command)))
         self.slipping = max(map(abs, wheels)) >= _STILL_MPS and self._decide()
         return self.slipping
 

@@ -59,7 +59,7 @@ class Driver:
     def _towards(self, pose: Pose2) -> tuple[float, float]:
         sway, caution = self._rng.standard_normal(2)
         self._sway_rad = 0.7 * self._sway_rad + 0.15 * float(sway)
-        self._caution = 0.8 * self._caution + 0.25 * float(caution)
+        self._caution = 0.8 * self._caution + 0.1 * float(caution)
         bearing = atan2(self._goal[1] - pose.y, self._goal[0] - pose.x) + self._sway_rad
         error = wrap(bearing - pose.theta)
         most = self._body.max_turn_radps
@@ -73,7 +73,7 @@ class Driver:
         rng = self._rng
         x, y = rng.uniform(-ARENA_M / 2.0 - 0.2, ARENA_M / 2.0 + 0.2, 2)  # also where no way leads
         self._goal = float(x), float(y)
-        self._pace_mps = float(rng.uniform(0.15, self._body.max_speed_mps))
+        self._pace_mps = float(rng.uniform(0.25, self._body.max_speed_mps))
         self._gain = float(rng.uniform(1.5, 2.5))
         self._patience_s = float(rng.uniform(0.5, 3.0))
         self._pause_s = float(rng.uniform(0.4, 2.0)) if rng.random() < 0.3 else 0.0

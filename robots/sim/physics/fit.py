@@ -16,7 +16,7 @@ from robots.se2 import Array
 from robots.sim.physics.drive import Drive, PhysicsError
 from robots.sim.physics.labels import true_motion
 
-BASIC_LEAVES, BASIC_ALARM = 24, 0.7
+BASIC_LEAVES, BASIC_ALARM = 28, 0.8
 EXTENDED_LEAVES, EXTENDED_ALARM = 64, 0.8  # where drift on worlds apart was least
 _LEAF_SHARE = 0.0015  # of the training set: an answer that rests on less is chance
 _DIGITS = 3

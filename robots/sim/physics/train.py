@@ -1,4 +1,4 @@
-"""Train the slip trees: ``python -m robots.sim.physics.train --worlds 120 --seed 1 --out FILE``.
+"""Train the slip trees: ``python -m robots.sim.physics.train --worlds 80 --seed 1 --out FILE``.
 
 Takes about two seconds of one core a world. The same worlds and seed give the same file, as long as MuJoCo
 and scikit-learn are of the same versions.
@@ -71,7 +71,7 @@ def joined(parts: list[Lessons]) -> Lessons:
 def main(arguments: list[str] | None = None) -> int:
     """Train and write the file."""
     parser = argparse.ArgumentParser(prog="python -m robots.sim.physics.train", description=__doc__)
-    parser.add_argument("--worlds", type=int, default=120, help="each with its own floor and robot")
+    parser.add_argument("--worlds", type=int, default=80, help="each with its own floor and robot")
     parser.add_argument("--seconds", type=float, default=SECONDS, help="of driving in each")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--out", type=Path, required=True, help="JSON file to write")

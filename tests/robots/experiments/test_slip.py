@@ -47,12 +47,12 @@ def test_drift_is_what_the_wheels_count_too_much():
     assert np.isfinite(measured)
 
 
-def test_a_run_trains_and_tests_and_is_its_seed():
+def test_a_run_trains_and_tests():
     pytest.importorskip("mujoco", reason="MuJoCo is not installed; it comes with the extra `physics`")
     pytest.importorskip("sklearn", reason="scikit-learn is not installed; it comes with the extra `physics`")
-    one = slip.measure_run((1, 0, 3, 2, 5.0))
-    assert [item.detector for item in one] == ["none", "basic", "extended"]
-    assert one == slip.measure_run((1, 0, 3, 2, 5.0))
+    measured = slip.measure_run((1, 0, 3, 2, 5.0))
+    assert [item.detector for item in measured] == ["none", "basic", "extended"]
+    assert all(0.0 <= item.drift_percent < 100.0 for item in measured)
 
 
 def test_without_physics_it_says_what_to_install(monkeypatch):

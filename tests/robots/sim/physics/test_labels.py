@@ -6,8 +6,8 @@ import pytest
 from robots.config import BodyConfig
 from robots.estimation.odometry import motion_mean
 from robots.se2 import Pose2
-from robots.sim.physics.drive import Drive
-from robots.sim.physics.fit import judge, lessons
+from robots.sim.physics.drive import Drive, PhysicsError
+from robots.sim.physics.fit import fit_trees, judge, lessons
 from robots.sim.physics.kinematic import drive_kinematic
 from robots.sim.physics.labels import true_motion
 from robots.types import WheelEncoders
@@ -67,3 +67,14 @@ def test_a_kinematic_drive_over_slippery_floor_slips_now_and_then():
     learnt = lessons(drives)
     assert len(learnt.basic) == len(learnt.extended) == len(learnt.slips)
     assert np.isfinite(learnt.extended).all()
+
+
+def test_the_same_lessons_give_the_same_trees_and_both_classes_are_needed():
+    pytest.importorskip("sklearn", reason="scikit-learn is not installed; it comes with the extra `physics`")
+    learnt = lessons([drive_kinematic(seed, 40.0, level=0, slippery=True) for seed in range(3)])
+    trees = fit_trees(learnt)
+    assert trees == fit_trees(learnt)
+    said = np.array([trees.extended.share(row) > 0.5 for row in learnt.extended.tolist()])
+    assert judge(said, learnt.slips).balanced_accuracy > 0.9
+    with pytest.raises(PhysicsError, match="more worlds"):
+        fit_trees(lessons([drive_kinematic(1, 5.0, level=0, slippery=False)]))
