@@ -23,8 +23,8 @@ from robots.experiments.parallel import in_parallel
 from robots.experiments.plotting import BLUE, GREY, ORANGE, figure
 from robots.se2 import Array, Pose2, wrap
 from robots.sim.physics.drive import Drive, PhysicsError, drive_world
-from robots.sim.physics.fit import Lessons, Verdict, fit_trees, judge, lessons
-from robots.sim.physics.train import SECONDS, joined, kinematic_lessons, world_seeds
+from robots.sim.physics.fit import Lessons, Verdict, fit_trees, joined, judge, lessons
+from robots.sim.physics.train import SECONDS, kinematic_lessons, world_seeds
 
 TRAIN_WORLDS, TEST_WORLDS = 60, 20
 DETECTORS = ("none", "basic", "extended")
@@ -104,7 +104,7 @@ def measure_run(task: tuple[int, int, int, int, float]) -> list[Measured]:
     worlds = world_seeds(own, train_worlds + test_worlds)
     taught = worlds[:train_worlds]
     learnt: list[Lessons] = [lessons([drive_world(world, seconds)]) for world in taught]
-    trees = fit_trees(joined([*learnt, *kinematic_lessons(taught, seconds)]))
+    trees = fit_trees(joined(learnt), kinematic_lessons(taught, seconds))
     return measure(trees, [drive_world(world, seconds) for world in worlds[train_worlds:]])
 
 

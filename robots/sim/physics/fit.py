@@ -49,15 +49,28 @@ def lessons(drives: Sequence[Drive]) -> Lessons:
     return Lessons(np.array(basic), np.array(extended), np.array(slips))
 
 
-def fit_trees(learnt: Lessons) -> SlipTrees:
+def joined(parts: Sequence[Lessons]) -> Lessons:
+    """Return several lessons as one."""
+    return Lessons(
+        np.concatenate([part.basic for part in parts]),
+        np.concatenate([part.extended for part in parts]),
+        np.concatenate([part.slips for part in parts]),
+    )
+
+
+def fit_trees(physical: Lessons, kinematic: Lessons | None = None) -> SlipTrees:
     """Return trees that weigh both classes alike.
+
+    The extended one learns from ``kinematic`` drives too; on four differences of one moment those of noisy
+    encoders only confuse (0.72 instead of 0.75 balanced accuracy).
 
     Raises:
         PhysicsError: scikit-learn is not installed, or the drives hold no slippage to learn from.
     """
+    both = physical if kinematic is None else joined([physical, kinematic])
     return SlipTrees(
-        _fit(learnt.basic, learnt.slips, BASIC_FEATURES, BASIC_LEAVES, BASIC_ALARM),
-        _fit(learnt.extended, learnt.slips, EXTENDED_FEATURES, EXTENDED_LEAVES, EXTENDED_ALARM),
+        _fit(physical.basic, physical.slips, BASIC_FEATURES, BASIC_LEAVES, BASIC_ALARM),
+        _fit(both.extended, both.slips, EXTENDED_FEATURES, EXTENDED_LEAVES, EXTENDED_ALARM),
     )
 
 

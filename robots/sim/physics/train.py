@@ -16,7 +16,7 @@ import numpy as np
 
 from robots.estimation.slip_tree import SlipTrees, dump_trees
 from robots.sim.physics.drive import PhysicsError, drive_world
-from robots.sim.physics.fit import Lessons, fit_trees, lessons
+from robots.sim.physics.fit import Lessons, fit_trees, joined, lessons
 from robots.sim.physics.kinematic import drive_kinematic
 from robots.sim.physics.labels import ROLLING_MPS, SLIP_MPS, SLIP_SHARE
 
@@ -34,11 +34,10 @@ def world_lessons(world: int, seconds: float) -> Lessons:
     return lessons([drive_world(world, seconds)])
 
 
-def kinematic_lessons(seeds: Sequence[int], seconds: float) -> list[Lessons]:
+def kinematic_lessons(seeds: Sequence[int], seconds: float) -> Lessons:
     """Return what the mission simulator adds to drives through worlds of these seeds."""
-    return [
-        lessons([drive_kinematic(seed, seconds)]) for seed in seeds[: round(len(seeds) * _KINEMATIC_SHARE)]
-    ]
+    some = seeds[: max(1, round(len(seeds) * _KINEMATIC_SHARE))]
+    return lessons([drive_kinematic(seed, seconds) for seed in some])
 
 
 def train(
@@ -55,17 +54,8 @@ def train(
         learnt.append(world_lessons(world, seconds))
         if progress is not None:
             progress(done + 1, worlds)
-    together = joined([*learnt, *kinematic_lessons(seeds, seconds)])
-    return fit_trees(together), together
-
-
-def joined(parts: list[Lessons]) -> Lessons:
-    """Return lessons of several drives as one."""
-    return Lessons(
-        np.concatenate([part.basic for part in parts]),
-        np.concatenate([part.extended for part in parts]),
-        np.concatenate([part.slips for part in parts]),
-    )
+    physical = joined(learnt)
+    return fit_trees(physical, kinematic_lessons(seeds, seconds)), physical
 
 
 def main(arguments: list[str] | None = None) -> int:
