@@ -51,12 +51,12 @@ class Robot:
         self.detector.observe(0.0, None, ImuReading(0.0) if imu else None, None)
 
     def drive(self, seconds: float, motion: Motion, extra=(0.0, 0.0, 0.0, 0.0), grip=1.0) -> list[bool]:
-        """Drive; ``extra`` is what each wheel turns faster, in m/s, ``grip`` the share the body turns."""
+        """Drive; ``extra`` is what each wheel turns faster, in m/s, ``grip`` the share the floor gives."""
         said = []
         for _ in range(round(seconds / self.dt)):
             self.stamp += self.dt
             self.yaw = wrap(self.yaw + motion[1] * grip * self.dt)
-            reading = self.wheels.read(*motion, self.dt, 1.0)
+            reading = self.wheels.read(*motion, self.dt, grip)
             rolled = (
                 np.array([getattr(reading, name) for name in reading.__slots__]) + np.array(extra) * self.dt
             )
@@ -143,12 +143,22 @@ def test_firm_floor_is_hardly_ever_taken_for_slippery(level):
     assert np.mean(said) < 0.05
 
 
-@pytest.mark.parametrize("kind", ["basic", "extended"])
-def test_wheels_that_spin_apart_are_noticed(kind):
-    robot = Robot(kind)
+def test_wheels_that_spin_apart_are_noticed_by_the_basic_tree():
+    robot = Robot("basic")
     robot.drive(10.0, (0.3, 0.0))
     assert not any(robot.drive(1.0, (0.3, 0.0)))
     assert np.mean(robot.drive(1.0, (0.3, 0.0), extra=(0.05, 0.3, 0.25, 0.1))) > 0.5
+
+
+@pytest.mark.parametrize("motion", [(0.45, 0.5), (0.4, -0.6)])
+def test_in_a_turn_a_slippery_floor_is_noticed_by_the_extended_tree(motion):
+    """The body turns less than wheels and command say."""
+    robot = Robot()
+    robot.drive(10.0, motion)
+    assert np.mean(robot.drive(1.0, motion)) < 0.05
+    assert np.mean(robot.drive(2.0, motion, grip=0.3)) > 0.5
+    robot.drive(0.4, motion)
+    assert np.mean(robot.drive(1.0, motion)) < 0.05
 
 
 def test_without_gyro_or_command_the_basic_tree_decides():
