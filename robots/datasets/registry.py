@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from robots.datasets import csail, intel, mrclam
+from robots.datasets import csail, intel, mission_log, mrclam
 from robots.datasets.recording import Recording, RecordingError
 
 DATASETS: dict[str, Callable[[Path, float | None], Recording]] = {
     "csail": csail.load,
     "intel": intel.load,
+    "log": mission_log.load,
     "mrclam": mrclam.load,
 }
 

@@ -12,6 +12,7 @@ from server.cli.console import CommandError, print_json, print_table, progress
 from server.cli.options import JsonOption, OutOption, check_writable, finite
 
 if TYPE_CHECKING:
+    from robots.datasets.mission_log import UpdateComparison
     from robots.datasets.recording import Recording
     from robots.datasets.replay import RobotReplay
     from robots.trajectory import Trajectory
@@ -122,8 +123,15 @@ def _replay_here(
     with progress() as display:
         total = sum(recording.length(robot_id) for robot_id in robots)
         task = display.add_task(f"replaying {recording.name}", total=total)
+        comparisons = _comparisons(recording, changes)
         try:
-            result = run(recording, lambda: display.advance(task), robots, changes)
+            result = run(
+                recording,
+                lambda: display.advance(task),
+                robots,
+                changes,
+                lambda robot_id, update: comparisons[robot_id].take(update) if comparisons else None,
+            )
         except (ConfigError, ObservationError) as error:
             raise CommandError(f"{recording.name}: {error}") from error
     wall_s = perf_counter() - began
@@ -155,7 +163,19 @@ def _replay_here(
         summary["relations_online_m"] = {
             robot.robot_id: _relations_m(robot.online, pairs) for robot in result.robots
         }
+    if comparisons:
+        summary["bit_equal"] = {robot_id: comparisons[robot_id].bit_equal() for robot_id in robots}
+        summary["updates_compared"] = {robot_id: comparisons[robot_id].compared for robot_id in robots}
     return summary
+
+
+def _comparisons(recording: Recording, changes: dict[str, Any]) -> dict[str, UpdateComparison]:
+    """Return one for each robot of a mission log; none where agents are told other than they were."""
+    from robots.datasets.mission_log import MissionLog, UpdateComparison
+
+    if changes or not isinstance(recording, MissionLog):
+        return {}
+    return {robot_id: UpdateComparison(robot) for robot_id, robot in recording.logged.items()}
 
 
 def _error_m(recording: Recording, robot: RobotReplay, estimate: Trajectory) -> float | None:

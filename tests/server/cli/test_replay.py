@@ -126,7 +126,7 @@ def test_relations_are_compared_on_demand(recording, tmp_path, capsys):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["mars", "FILE"], "there is no dataset 'mars'; known are csail, intel, mrclam"),
+        (["mars", "FILE"], "there is no dataset 'mars'; known are csail, intel, log, mrclam"),
         (["intel", "absent.npz"], "there is no recording absent.npz"),
         (["intel", "FILE", "--virtual-tags", "0"], "--virtual-tags has to be greater than 0"),
         (["intel", "FILE", "--virtual-tags", "nan"], "--virtual-tags has to be a finite number"),
