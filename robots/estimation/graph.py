@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+from numba import njit
 
 from robots.estimation.graph_cholesky import factorise, solve_factored
 from robots.estimation.graph_descent import descend, relaxed
@@ -24,6 +25,7 @@ from robots.estimation.graph_order import Order, order
 from robots.estimation.graph_problem import LOOSE, GraphError, GraphProblem, assemble
 from robots.estimation.graph_tree import along_tree
 from robots.se2 import Array, wrap_array
+from robots.types import IntArray
 
 __all__ = ["GraphError", "GraphProblem", "GraphSolution", "Marginals", "solve"]
 
@@ -68,19 +70,34 @@ class Marginals:
 
     def of(self, vertex: int) -> Array:
         """Return the covariance (3, 3) of a vertex, tags counted after the poses."""
+        return self.joint(np.array([vertex]))
+
+    def joint(self, vertices: IntArray) -> Array:
+        """Return the joint covariance (3 k, 3 k) of k vertices; a tag's third row and column mean nothing."""
         if self._solved is None:
             frame, equations, factor = _storage(len(self._state), self._factors)
             linearise(self._state, self._factors, equations, self._kernel_sd, self._linear)
             if not factorise(frame, equations, self._damping, factor):
                 raise GraphError(LOOSE)
             self._solved = frame, factor
-        right, column, covariance = np.zeros_like(self._state), np.empty_like(self._state), np.empty((3, 3))
-        for k in range(3):
-            right[vertex] = 0.0
-            right[vertex, k] = 1.0
-            solve_factored(*self._solved, right, column)
-            covariance[:, k] = column[vertex]
+        covariance: Array = columns_of(*self._solved, np.asarray(vertices, np.int64))
         return (covariance + covariance.T) / 2.0
+
+
+@njit(cache=True)
+def columns_of(frame: Order, factor: Array, vertices: IntArray) -> Array:
+    """Return the blocks of the inverse that belong to the vertices (k,), shape (3 k, 3 k)."""
+    count, size = len(frame.vertex), len(vertices)
+    right, column = np.zeros((count, 3)), np.empty((count, 3))
+    covariance = np.empty((3 * size, 3 * size))
+    for j in range(size):
+        for k in range(3):
+            right[vertices[j], k] = 1.0
+            solve_factored(frame, factor, right, column)
+            right[vertices[j], k] = 0.0
+            for i in range(size):
+                covariance[3 * i : 3 * i + 3, 3 * j + k] = column[vertices[i]]
+    return covariance
 
 
 def solve(
