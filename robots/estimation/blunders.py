@@ -115,13 +115,13 @@ def _chi2(forces: Array, covered: Array, groups: Array) -> Array:
     return chi2
 
 
-def way_tests(problem: GraphProblem, solution: GraphSolution) -> WayTests:
-    """Test the displacements of the largest errors for being wrong altogether; robust edges are left out."""
+def way_tests(problem: GraphProblem, solution: GraphSolution, among: IntArray | None = None) -> WayTests:
+    """Test the displacements of the largest errors for being wrong altogether; ``among`` (k,) some edges."""
     given = problem.edge_information
     information = np.linalg.inv(problem.edge_covariances) if given is None else given
     errors = link_chi2(solution.poses, problem.edge_pairs, problem.edge_poses, information)
-    errors[problem.edge_pairs[:, 0] == problem.edge_pairs[:, 1]] = 0.0
-    edges = np.sort(np.argsort(-errors, kind="stable")[:_WAYS])
+    among = np.arange(len(errors)) if among is None else among
+    edges = np.sort(among[np.argsort(-errors[among], kind="stable")[:_WAYS]])
     chi2 = np.array([_way_chi2(problem, solution, int(k), information[k]) for k in edges])
     return WayTests(edges.astype(np.int64), chi2)
 

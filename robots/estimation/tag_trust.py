@@ -75,13 +75,15 @@ def judge(
     problem: GraphProblem,
     stamps_s: Array,
     *,
+    ways: IntArray | None = None,
     method: Literal["gauss-newton", "linear"] = "gauss-newton",
     max_iterations: int = 20,
     kernel_sd: float = 3.0,
 ) -> Judgement:
     """Solve a graph, find the tags that are not where all their sightings claim, split them, solve again.
 
-    ``stamps_s`` (s,): when each sighting was made. Each tag has to have a sighting.
+    ``stamps_s`` (s,): when each sighting was made. ``ways`` (w,): the edges that are displacements driven; all
+    by default. Each tag has to have a sighting.
 
     Raises:
         GraphError: as ``solve``.
@@ -106,13 +108,15 @@ def judge(
         worst = float(excess.max(initial=0.0))
         if worst == 0.0:
             break
-        ways = _worst_ways(way_tests(split.problem, solution), loosened, worst + scale * _WAY_MARGIN)
-        if ways:  # which of them it was, the kernel may have smeared
+        suspicious = _worst_ways(
+            way_tests(split.problem, solution, ways), loosened, worst + scale * _WAY_MARGIN
+        )
+        if suspicious:  # which of them it was, the kernel may have smeared
             trials = [
                 solved(_split(problem, solution, labels, [*loosened, way], order).problem).chi2
-                for way in ways
+                for way in suspicious
             ]
-            loosened.append(ways[int(np.argmin(trials))])
+            loosened.append(suspicious[int(np.argmin(trials))])
         else:
             suspects = [int(split.tag_of[k]) for k in np.flatnonzero(excess > _SHARE * worst)]
             first = int(split.tag_of[int(np.argmax(excess))])
