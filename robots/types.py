@@ -88,10 +88,25 @@ class RangeReading:
 
 @dataclass(frozen=True, slots=True)
 class TagSighting:
-    """A tag read by the robot: its id and the bytes of its memory (empty when only the id was read)."""
+    """A tag read by the robot: its id and the bytes of its memory (empty when only the id was read).
+
+    ``range_m`` and ``bearing_rad`` say where it is in the base frame: both or neither. Neither: the tag lies
+    under the antenna.
+    """
 
     tag_id: str
     memory: bytes = b""
+    range_m: float | None = None
+    bearing_rad: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class RobotSighting:
+    """Another robot seen by this one: its name, and where its base is in this one's base frame."""
+
+    robot_id: str
+    range_m: float
+    bearing_rad: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,6 +132,7 @@ class Observation:
     scan: LaserScan | None = None
     beams: tuple[RangeReading, ...] = ()
     tag_sightings: tuple[TagSighting, ...] = ()
+    robot_sightings: tuple[RobotSighting, ...] = ()
     heat: tuple[HeatReading, ...] = ()
     battery: float | None = None  # 0..1
     tags_left: int | None = None  # in the magazine

@@ -52,5 +52,5 @@ def _warm_up_bad_starts() -> None:
     graph = TagGraph(AgentConfig(), Pose2(), 0.0, None)
     for turn in range(4):
         graph.add_pose(GaussianPose(Pose2(1.0, 0.0, radians(90.0)), np.eye(3) * 1e-2), float(turn), None)
-        graph.add_sighting(f"warm-{turn % 2}")
+        graph.add_sighting(f"warm-{turn % 2}", (0.0, 0.0), np.eye(2) * 1e-2)
     solve(graph.problem(), start="relaxed")

@@ -21,7 +21,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
-from math import radians
+from math import inf, radians
 from pathlib import Path
 from typing import Any
 
@@ -63,6 +63,7 @@ class IntelRecording:
     range_max_m: float
     name: str = "intel"
     robots: tuple[str, ...] = (ROBOT,)
+    truth_gap_s: float = inf  # a pose for each observation, however far apart: nothing is interpolated
 
     @property
     def settings(self) -> dict[str, Any]:

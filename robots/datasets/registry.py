@@ -5,10 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from robots.datasets import intel
+from robots.datasets import intel, mrclam
 from robots.datasets.recording import Recording, RecordingError
 
-DATASETS: dict[str, Callable[[Path, float | None], Recording]] = {"intel": intel.load}
+DATASETS: dict[str, Callable[[Path, float | None], Recording]] = {
+    "intel": intel.load,
+    "mrclam": mrclam.load,
+}
 
 
 def load(dataset: str, path: Path, virtual_tags_m: float | None = None) -> Recording:

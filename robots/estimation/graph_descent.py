@@ -8,7 +8,7 @@ import numpy as np
 from numba import njit
 
 from robots.estimation.graph_cholesky import factorise, solve_factored
-from robots.estimation.graph_factors import Equations, Factors, linearise, linearise_turns
+from robots.estimation.graph_factors import Equations, Factors, Kernel, linearise, linearise_turns
 from robots.estimation.graph_order import Order
 from robots.se2 import Array
 
@@ -24,7 +24,7 @@ def descend(
     equations: Equations,
     order: Order,
     factor: Array,
-    kernel_sd: float,
+    kernel: Kernel,
     linear: bool,
     max_iterations: int,
     tolerance: float,
@@ -38,7 +38,7 @@ def descend(
     """
     state = state.copy()
     step, trial = np.empty_like(state), np.empty_like(state)
-    chi2 = linearise(state, factors, equations, kernel_sd, linear)
+    chi2 = linearise(state, factors, equations, kernel, linear)
     before, damping, needed = chi2, 0.0, 0.0
     promise, fresh, steps = np.inf, False, 0
     while steps < max_iterations:
@@ -58,16 +58,16 @@ def descend(
             trial[i, 1] = state[i, 1] - step[i, 1]
             turn = state[i, 2] - step[i, 2]
             trial[i, 2] = turn if -pi < turn <= pi else atan2(sin(turn), cos(turn))
-        lowered = linearise(trial, factors, equations, kernel_sd, linear)
+        lowered = linearise(trial, factors, equations, kernel, linear)
         if lowered > chi2 * (1.0 + 1e-12) + _NOTHING and not linear:
             if promise <= tolerance * chi2 + _NOTHING:
-                linearise(state, factors, equations, kernel_sd, linear)
+                linearise(state, factors, equations, kernel, linear)
                 break  # as low as the arithmetic can tell
             if not fresh:
                 damping = max(1e-4, 10.0 * damping)
             if damping > _MOST_DAMPING:
                 break
-            linearise(state, factors, equations, kernel_sd, linear)
+            linearise(state, factors, equations, kernel, linear)
             fresh = False
             continue
         state, trial, chi2 = trial, state, lowered
@@ -100,7 +100,7 @@ def relaxed(
     for i in range(len(state)):
         if step[i, 0] ** 2 + step[i, 1] ** 2 > 1e-12:
             state[i, 2] = atan2(-step[i, 1], -step[i, 0])
-    linearise(state, factors, equations, np.inf, True)
+    linearise(state, factors, equations, Kernel(np.inf, False), True)
     if not factorise(order, equations, _FIRST_DAMPING, factor):
         return state, False
     solve_factored(order, factor, equations.gradient, step)

@@ -22,21 +22,36 @@ from typing import NamedTuple
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from robots.se2 import Array
 from robots.types import IntArray
 
+BoolArray = NDArray[np.bool_]
+
 
 class Factors(NamedTuple):
-    """All that was measured. Links from ``robust_from`` on have a Huber kernel."""
+    """All that was measured. Links from ``tags_from`` on are sightings; ``robust`` ones carry the kernel."""
 
     pairs: IntArray  # (k, 2) vertices a and b
     measured: Array  # (k, 3)
     information: Array  # (k, 3, 3)
-    robust_from: int
+    robust: BoolArray  # (k,)
+    tags_from: int
     anchored: IntArray  # (p,) vertices
     values: Array  # (p, 3)
     weights: Array  # (p, 3) inverse variances, 0 where a value says nothing
+
+
+class Kernel(NamedTuple):
+    """What a robust link costs beyond ``sd`` deviations. Up to there all kernels cost the square.
+
+    Huber 1964 grows linearly from there and still pulls; the redescending kernel of Dynamic Covariance
+    Scaling (Agarwal et al. 2013) tends to 3 sd^2 and lets go.
+    """
+
+    sd: float
+    redescends: bool
 
 
 class Equations(NamedTuple):
@@ -82,6 +97,13 @@ def link_chi2(state: Array, pairs: IntArray, measured: Array, information: Array
 
 
 @njit(cache=True)
+def beyond(state: Array, factors: Factors, sd: float) -> int:
+    """Return how many robust links are more than ``sd`` deviations from what was measured."""
+    squares = link_chi2(state, factors.pairs, factors.measured, factors.information)
+    return int(np.sum(factors.robust & (squares > sd * sd)))
+
+
+@njit(cache=True)
 def largest_turn(state: Array, factors: Factors) -> float:
     """Return the largest heading error of the links that measure one, in radians."""
     worst = 0.0
@@ -93,7 +115,7 @@ def largest_turn(state: Array, factors: Factors) -> float:
 
 
 @njit(cache=True)
-def linearise(state: Array, factors: Factors, equations: Equations, kernel_sd: float, linear: bool) -> float:
+def linearise(state: Array, factors: Factors, equations: Equations, kernel: Kernel, linear: bool) -> float:
     """Write the normal equations at ``state`` and return W there: errors, blocks and sum in one pass.
 
     ``linear`` holds the headings as they are, as Kleiner does with his compass.
@@ -102,7 +124,7 @@ def linearise(state: Array, factors: Factors, equations: Equations, kernel_sd: f
     diagonal[:] = 0.0
     beside[:] = 0.0
     gradient[:] = 0.0
-    total = 0.0
+    total, limit = 0.0, kernel.sd * kernel.sd
     for k in range(len(factors.pairs)):
         i, j = factors.pairs[k, 0], factors.pairs[k, 1]
         o = factors.information[k]
@@ -127,9 +149,14 @@ def linearise(state: Array, factors: Factors, equations: Equations, kernel_sd: f
         w2 = o02 * e0 + o12 * e1 + o22 * e2
         square = w0 * e0 + w1 * e1 + w2 * e2
         weight = 1.0
-        if k >= factors.robust_from and square > kernel_sd * kernel_sd:
-            weight = kernel_sd / sqrt(square)
-            square = 2.0 * kernel_sd * sqrt(square) - kernel_sd * kernel_sd
+        if factors.robust[k] and square > limit:
+            if kernel.redescends:
+                share = 2.0 * limit / (limit + square)
+                weight = share * share
+                square = limit * (3.0 * square - limit) / (limit + square)
+            else:
+                weight = kernel.sd / sqrt(square)
+                square = 2.0 * kernel.sd * sqrt(square) - limit
         total += square
         if equations.slot[k] < 0:
             continue  # a vertex seen from itself: the error is what it is, nothing moves it

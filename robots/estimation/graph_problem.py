@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from robots.estimation.graph_factors import Factors
+from robots.estimation.graph_factors import BoolArray, Factors
 from robots.se2 import Array
 from robots.types import IntArray
 
@@ -29,6 +29,7 @@ class GraphProblem:
     ``sighting_covariances`` (s, 2, 2) in the base frame; ``heading_index`` (h,), ``heading_rad`` (h,),
     ``heading_sd_rad`` (h,); ``prior_index`` (p,), ``prior_poses`` (p, 3), ``prior_sds`` (p, 3).
     ``edge_information`` (k, 3, 3), where given, stands for the edges' covariances; it may be singular.
+    ``edge_robust`` (k,) says which edges carry a robust kernel, as sightings do; without it none does.
     """
 
     poses: Array
@@ -46,6 +47,7 @@ class GraphProblem:
     heading_rad: Array = field(default_factory=lambda: np.zeros(0))
     heading_sd_rad: Array = field(default_factory=lambda: np.zeros(0))
     edge_information: Array | None = None
+    edge_robust: BoolArray | None = None
 
 
 _SHAPES: dict[str, tuple[int, ...]] = {
@@ -77,7 +79,11 @@ def assemble(problem: GraphProblem) -> tuple[Array, Factors]:
     given = problem.edge_information
     if given is not None:
         arrays["edge_covariances"] = np.ascontiguousarray(given, np.float64)
-    fault, where, at, state, found = _assemble(*arrays.values(), given is not None)
+    count = len(arrays["edge_pairs"])
+    flags = np.zeros(count, np.bool_) if problem.edge_robust is None else np.asarray(problem.edge_robust)
+    if flags.shape != (count,) or flags.dtype != np.bool_:
+        raise GraphError(f"edge_robust has to say true or false of each of {count} edges")
+    fault, where, at, state, found = _assemble(*arrays.values(), given is not None, flags)
     if fault:
         name = "edge_information" if given is not None and where == 4 else _FIELDS[where]
         raise GraphError(
@@ -110,6 +116,7 @@ def _assemble(
     heading_rad: Array,
     heading_sd_rad: Array,
     informed: bool,
+    edge_robust: BoolArray,
 ) -> tuple[int, int, int, Array, Any]:  # fault, field, row, state and the fields of Factors
     n, m, e, s = len(poses), len(tags), len(edge_pairs), len(sighting_pairs)
     p, h = len(prior_index), len(heading_index)
@@ -120,7 +127,9 @@ def _assemble(
         np.zeros((e + s, 3, 3)),
     )
     anchored, values, weights = np.empty(p + h, np.int64), np.zeros((p + h, 3)), np.zeros((p + h, 3))
-    found = (pairs, measured, information, e, anchored, values, weights)
+    robust = np.ones(e + s, np.bool_)
+    robust[:e] = edge_robust
+    found = (pairs, measured, information, robust, e, anchored, values, weights)
     floats = (
         (0, poses.ravel()), (1, tags.ravel()), (3, edge_poses.ravel()), (4, edge_spreads.ravel()),
         (6, sighting_offsets.ravel()), (7, sighting_covariances.ravel()), (9, prior_poses.ravel()),

@@ -20,7 +20,7 @@ def along_tree(state: Array, factors: Factors) -> Array:
         if weight.all():
             known[index] = True
             begin[index] = value
-    spread: Array = spread_along_tree(begin, known, factors.pairs, factors.measured, factors.robust_from)
+    spread: Array = spread_along_tree(begin, known, factors.pairs, factors.measured, factors.tags_from)
     return spread
 
 

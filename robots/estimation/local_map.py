@@ -63,12 +63,12 @@ class LocalMap:
             self.index = np.empty((cells, cells), np.int32)
         points = np.concatenate([points for points, _ in self._scans])
         normals = np.concatenate([normals for _, normals in self._scans])
-        keep = _fill(points, normals, self.origin, self.index)
+        keep = fill(points, normals, self.origin, self.index)
         self.points, self.normals = points[:keep].copy(), normals[:keep].copy()
 
 
 @njit(cache=True)
-def _fill(points: Array, normals: Array, origin: Array, index: NDArray[np.int32]) -> int:
+def fill(points: Array, normals: Array, origin: Array, index: NDArray[np.int32]) -> int:
     """Thin the points in place, fill the nearest-point index and return how many points were kept."""
     rows, columns = index.shape
     index[:, :] = -1

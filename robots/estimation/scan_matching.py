@@ -68,12 +68,12 @@ def match(local_map: LocalMap, scan: ScanPoints, guess: Pose2, config: ScanMatch
     if overlap < config.min_overlap or not _plausible(start, pose, config):
         return None
     sd = max(config.point_sd_m, rms)
-    information = _without_illusions(hessian, len(scan.points)) / (sd**2 * _CORRELATED_POINTS)
+    information = without_illusions(hessian, len(scan.points)) / (sd**2 * _CORRELATED_POINTS)
     covariance = np.linalg.inv(information + np.diag([1e-2, 1e-2, 1e-1]))
     return ScanMatch(GaussianPose(Pose2.from_array(pose), covariance), overlap, rms)
 
 
-def _without_illusions(hessian: Array, points: int) -> Array:
+def without_illusions(hessian: Array, points: int) -> Array:
     """Take back the information along a direction that hardly any surface faces.
 
     In a bare corridor the scatter of the normals alone feigns information along it, and lets the scan stick

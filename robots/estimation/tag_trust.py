@@ -82,8 +82,8 @@ def judge(
 ) -> Judgement:
     """Solve a graph, find the tags that are not where all their sightings claim, split them, solve again.
 
-    ``stamps_s`` (s,): when each sighting was made. ``ways`` (w,): the edges that are displacements driven; all
-    by default. Each tag has to have a sighting.
+    ``stamps_s`` (s,): when each sighting was made. ``ways`` (w,): the edges that are displacements driven;
+    all by default. Each tag has to have a sighting.
 
     Raises:
         GraphError: as ``solve``.
@@ -92,11 +92,14 @@ def judge(
     labels = np.zeros(len(problem.sighting_pairs), np.int64)
     loosened: list[int] = []
     doubted: dict[int, float] = {}  # tags that were looked at, and what came of it
-    split = _Split(problem, np.arange(len(problem.tags)), np.zeros(len(problem.tags), np.int64))
 
     def solved(of: GraphProblem) -> GraphSolution:
-        return solve(of, method, max_iterations, kernel_sd)
+        # with a kernel that lets go, nothing would be left of a contradiction to be tested
+        return solve(of, method, max_iterations, kernel_sd, kernel="huber")
 
+    final = solve(problem, method, max_iterations, kernel_sd)
+    given, problem = problem, _without_outliers(problem, final, kernel_sd)
+    split = _Split(problem, np.arange(len(problem.tags)), np.zeros(len(problem.tags), np.int64))
     solution = solved(problem)
     scale = 1.0
     for _ in range(_ROUNDS):
@@ -112,10 +115,7 @@ def judge(
             way_tests(split.problem, solution, ways), loosened, worst + scale * _WAY_MARGIN
         )
         if suspicious:  # which of them it was, the kernel may have smeared
-            trials = [
-                solved(_split(problem, solution, labels, [*loosened, way], order).problem).chi2
-                for way in suspicious
-            ]
+            trials = [solved(_loosened(split.problem, [way])).chi2 for way in suspicious]
             loosened.append(suspicious[int(np.argmin(trials))])
         else:
             suspects = [int(split.tag_of[k]) for k in np.flatnonzero(excess > _SHARE * worst)]
@@ -131,10 +131,22 @@ def judge(
                 doubted[tag] = contradiction(apart[tag], found[tag])
         split = _split(problem, solution, labels, loosened, order)
         solution = solved(split.problem)
-    verdicts, place_of = _verdicts(split, solution, labels, stamps_s, order, doubted)
-    return Judgement(
-        split.problem, solution, split.tag_of, place_of, verdicts, tuple(sorted(loosened)), scale
-    )
+    if doubted or loosened:
+        split = _split(given, solution, labels, loosened, order)
+        final = solve(split.problem, method, max_iterations, kernel_sd)
+    else:
+        split = replace(split, problem=given)
+    verdicts, place_of = _verdicts(split, final, labels, stamps_s, order, doubted)
+    loose = tuple(sorted(loosened))
+    return Judgement(split.problem, final, split.tag_of, place_of, verdicts, loose, scale)
+
+
+def _without_outliers(problem: GraphProblem, solution: GraphSolution, kernel_sd: float) -> GraphProblem:
+    """Return the problem without the robust edges (loops, meetings) that the solution let go of."""
+    if problem.edge_robust is None:
+        return problem
+    wrong = problem.edge_robust & (solution.edge_residuals > 2.0 * kernel_sd)
+    return _loosened(problem, np.flatnonzero(wrong).tolist())
 
 
 def alarm_limit(hypotheses: int) -> float:
@@ -188,15 +200,20 @@ def _split(
             tag_of.append(tag)
             label_of.append(label)
     problem = replace(given, poses=solution.poses, tags=np.array(tags).reshape(-1, 2), sighting_pairs=pairs)
-    if loosened and given.edge_information is not None:
-        information = given.edge_information.copy()
-        information[loosened] /= _LOOSE
-        problem = replace(problem, edge_information=information)
-    elif loosened:
-        covariances = given.edge_covariances.copy()
-        covariances[loosened] *= _LOOSE
-        problem = replace(problem, edge_covariances=covariances)
-    return _Split(problem, np.array(tag_of, np.int64), np.array(label_of, np.int64))
+    return _Split(_loosened(problem, loosened), np.array(tag_of, np.int64), np.array(label_of, np.int64))
+
+
+def _loosened(problem: GraphProblem, edges: list[int]) -> GraphProblem:
+    """Return the problem with edges that hold next to nothing."""
+    if not edges:
+        return problem
+    if problem.edge_information is not None:
+        information = problem.edge_information.copy()
+        information[edges] /= _LOOSE
+        return replace(problem, edge_information=information)
+    covariances = problem.edge_covariances.copy()
+    covariances[edges] *= _LOOSE
+    return replace(problem, edge_covariances=covariances)
 
 
 def _claimed(problem: GraphProblem, solution: GraphSolution, sighting: int) -> Array:

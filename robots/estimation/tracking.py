@@ -17,7 +17,7 @@ from robots.estimation.kalman import fuse
 from robots.estimation.local_map import LocalMap
 from robots.estimation.odometry import motion_covariance, motion_mean, predict
 from robots.estimation.scan_matching import match
-from robots.estimation.scan_points import scan_points
+from robots.estimation.scan_points import ScanPoints, scan_points
 from robots.se2 import Array, GaussianPose, Pose2, wrap
 from robots.types import ImuReading, LaserScan, Odometry
 
@@ -35,6 +35,8 @@ class PoseTracker:
         self.local_from_base = Pose2(0.0, 0.0, heading_rad)
         self.distance_m = 0.0
         self.matched = False
+        self.points: ScanPoints | None = None  # of the latest scan
+        self.lost = False  # the latest scan showed that the robot is not where it thought
         self._local_from_reference = self.local_from_base
         self._anchor_from_reference = GaussianPose.exact()
         self._reference_from_base = GaussianPose.exact()
@@ -80,7 +82,7 @@ class PoseTracker:
         config = self._config.scan_match
         if self._config.poses == "truth":
             return False
-        points = scan_points(scan, config.max_range_m)
+        points = self.points = scan_points(scan, config.max_range_m)
         if self._map is None:
             reach = min(config.max_range_m, scan.range_max_m)
             self._map = LocalMap(config.local_scans, reach + config.local_scans * config.insert_after_m / 2.0)

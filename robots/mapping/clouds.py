@@ -19,8 +19,8 @@ _FLAT = 0.35  # a surface scatters across itself by no more than this share of i
 def surface_points(report: SubmapReport, cells: NDArray[np.int8]) -> tuple[Array, Array]:
     """Return points and normals, each (n, 2), of a submap's occupied cells in its anchor's frame.
 
-    ``cells`` (h, w) as ``unpack`` gives them. Points are drawn onto the line through their neighbours; normals
-    are unit, towards the free side, zero where there is no clear one.
+    ``cells`` (h, w) as ``unpack`` gives them. Points are drawn onto the line through their neighbours;
+    normals are unit, towards the free side, zero where there is no clear one.
     """
     points, normals = _surfaces(np.ascontiguousarray(cells))
     turned = report.anchor_from_grid

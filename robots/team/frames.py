@@ -48,10 +48,10 @@ def join_frames(
 ) -> dict[str, Pose2]:
     """Return ``world_from_map`` of every robot that can be placed.
 
-    Robots with a surveyed start stand where it says; if none has one, the first robot's map is the world. Every
-    other robot joins by the points it shares with those placed: two or more apart, or one and a compass that
-    agrees with theirs, or one tag and a laser match round it. Points that contradict the rest (a tag that was
-    moved, a wrong id) are outvoted. Those with more to go by join first.
+    Robots with a surveyed start stand where it says; if none has one, the first robot's map is the world.
+    Every other robot joins by the points it shares with those placed: two or more apart, or one and a compass
+    that agrees with theirs, or one tag and a laser match round it. Points that contradict the rest (a tag
+    that was moved, a wrong id) are outvoted. Those with more to go by join first.
     """
     frames = _surveyed(graphs, starts)
     if not frames and graphs:
@@ -91,7 +91,7 @@ def common_north(graphs: Mapping[str, GraphReport], frames: Mapping[str, Pose2])
 
 
 def _surveyed(graphs: Mapping[str, GraphReport], starts: Mapping[str, StartPose | None]) -> dict[str, Pose2]:
-    """Return the frames of surveyed robots; a vague heading gives way to compasses and the sharpest survey."""
+    """Return the frames of surveyed robots; a vague heading gives way to the sharpest and a compass."""
     norths: dict[str, tuple[float, float]] = {}  # heading of north in the world, and its deviation
     for name, graph in graphs.items():
         start, yaw = starts.get(name), graph.yaws_rad[0]
@@ -170,7 +170,7 @@ def _by_points(points: list[_Point], compass: float | None) -> Pose2 | None:
 def _by_one_point(
     name: str, points: list[_Point], compass: float | None, frames: Mapping[str, Pose2], look: Look | None
 ) -> Pose2 | None:
-    """Return the frame by one point: with the rotation a laser match at that tag shows, else the compass's."""
+    """Return the frame by one point: with the rotation a laser match at that tag shows, or the compass."""
     for point in points:
         if look is not None and point.tag is not None:
             other, tag = point.tag
@@ -197,7 +197,7 @@ def _agreeing(points: list[_Point], pivot: _Point, turn: float) -> list[_Point]:
 
 
 def _turn(points: list[_Point]) -> float:
-    """Return the rotation that lays the points' own places on those in the world (Umeyama 1991, in the plane)."""
+    """Return the rotation that lays the points' own places on those in the world (Umeyama 1991)."""
     weights = np.array([1.0 / point.sd_m**2 for point in points])[:, None]
     own, world = np.array([p.own for p in points]), np.array([p.world for p in points])
     a = own - (weights * own).sum(axis=0) / weights.sum()

@@ -29,7 +29,7 @@ Method = Literal["gauss-newton", "linear"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class JointSolution:
-    """World poses (n, 3) of each robot's pose vertices, those located, and the joint covariance of the newest.
+    """The robots' pose vertices (n, 3) in the world, and the joint covariance of the newest of each.
 
     Robots that are not ``located`` have their poses in their own map frame, and no covariance.
     """
@@ -56,9 +56,7 @@ def solve_together(
         return JointSolution(anchors, notices=tuple(notices))
     meetings = meetings_of(sound, histories)
     lasers.begin()
-    frames = join_frames(
-        sound, starts, meetings, lambda a, b, tag: lasers.at_tag(a, b, tag, sound, submaps)
-    )
+    frames = join_frames(sound, starts, meetings, lambda a, b, tag: lasers.at_tag(a, b, tag, sound, submaps))
     loops = lasers.between(sound, submaps, frames)
     lasers.end()
     tied = _agreeing(sound, frames)

@@ -2,7 +2,8 @@
 
 The clouds are cut out round the tag and laid down with the map's north up, so that two robots' clouds of one
 tag lie on each other but for compasses and antennas. Every pair of finished submaps is matched once: what is
-known of a match depends on the two submaps and a guess that is rounded to a lattice, never on when it was made.
+known of a match depends on the two submaps and a guess that is rounded to a lattice, never on when it was
+made.
 """
 
 from __future__ import annotations
@@ -36,8 +37,8 @@ _SD_SHARE = 0.015  # and more with the distance
 class TeamLoop:
     """A laser match of two robots' submaps.
 
-    ``pose`` (3,): pose vertex ``second_pose`` of robot ``second`` in vertex ``first_pose`` of robot ``first``,
-    with its covariance (3, 3).
+    ``pose`` (3,): pose vertex ``second_pose`` of robot ``second`` in vertex ``first_pose`` of robot
+    ``first``, with its covariance (3, 3).
     """
 
     first: str
@@ -146,7 +147,9 @@ class LaserLoops:
             points, _ = self._surface(robot, submaps[anchor])
             count = int((np.hypot(points[:, 0] - x, points[:, 1] - y) < _REACH_M).sum())
             if count > most:
-                cut = Pose2(_rounded(x, _STEP_M), _rounded(y, _STEP_M), _rounded(-map_from_anchor.theta, _STEP_RAD))
+                cut = Pose2(
+                    _rounded(x, _STEP_M), _rounded(y, _STEP_M), _rounded(-map_from_anchor.theta, _STEP_RAD)
+                )
                 best, most = _View(robot, anchor, submaps[anchor].version, cut), count
         return best
 

@@ -16,7 +16,7 @@ _APART_S = 2.0  # sightings of a robot by another nearer in time than this are o
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Meeting:
-    """Robot ``seer`` at pose vertex ``pose`` saw the base of robot ``seen`` at ``offset_m`` (2,) in its frame.
+    """A robot seen by another: ``offset_m`` (2,) of its base in the frame of pose vertex ``pose``.
 
     ``covariance`` (2, 2); ``there``: where ``seen`` was by its own account.
     """

@@ -70,6 +70,9 @@ def _tag_notice(joint: JointProblem, verdict: TagVerdict) -> TeamNotice:
     count = len(verdict.places_m)
     since = float(np.sort(verdict.firsts_s)[1])
     return TeamNotice(
-        "cloned", tag, f"{count} tags answer to {tag}, the second read first at {clock(since)}.", since, robots
+        "cloned",
+        tag,
+        f"{count} tags answer to {tag}, the second read first at {clock(since)}.",
+        since,
+        robots,
     )
-

@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from robots.estimation.graph import GraphProblem
 from robots.se2 import Array, Pose2
@@ -31,7 +32,8 @@ class JointProblem:
 
     ``begins``: index of each robot's first pose; ``norths``: index of the vertex of its compass; ``stamps_s``
     and ``readers`` (s,) when and by which of ``names`` each sighting was made; ``ways`` (w,): edges that are
-    displacements driven, ``drivers`` (w,) by whom; ``ties``: the edge that ties a compass to the common north.
+    displacements driven, ``drivers`` (w,) by whom; ``ties``: the edge that ties a compass to the common
+    north.
     """
 
     problem: GraphProblem
@@ -50,12 +52,12 @@ class _Edges:
     """Edges as they are gathered."""
 
     def __init__(self) -> None:
-        self.pairs: list[Array] = []
+        self.pairs: list[IntArray] = []
         self.poses: list[Array] = []
         self.information: list[Array] = []
-        self.robust: list[Array] = []
+        self.robust: list[NDArray[np.bool_]] = []
 
-    def add(self, pairs: Array, poses: Array, information: Array, robust: bool) -> None:
+    def add(self, pairs: ArrayLike, poses: ArrayLike, information: ArrayLike, robust: bool) -> None:
         self.pairs.append(np.asarray(pairs, np.int64).reshape(-1, 2))
         self.poses.append(np.asarray(poses, np.float64).reshape(-1, 3))
         self.information.append(np.asarray(information, np.float64).reshape(-1, 3, 3))
@@ -101,7 +103,9 @@ def joint_problem(
         edges.add(graph.loop_pairs + count, graph.loop_poses, np.linalg.inv(graph.loop_covariances), True)
         to_team = np.array([tag_index[tag] for tag in graph.tag_ids], np.int64)
         pairs = graph.sighting_pairs
-        sightings.append(np.column_stack([pairs[:, 0] + count, to_team[pairs[:, 1]]]) if len(pairs) else pairs)
+        sightings.append(
+            np.column_stack([pairs[:, 0] + count, to_team[pairs[:, 1]]]) if len(pairs) else pairs
+        )
         stamps.append(graph.stamps_s[pairs[:, 0]])
         readers.append(np.full(len(pairs), index))
         count += len(graph.poses)

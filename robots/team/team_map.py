@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from robots.mapping.fused import FusedGrid
 from robots.mapping.submap import unpack
-from robots.se2 import Array, Pose2
+from robots.se2 import Pose2
 from robots.team.history import History
 from robots.team.joint import JointSolution, Method, solve_together
 from robots.team.laser_loops import LaserLoops
@@ -47,9 +47,7 @@ class TeamMap:
     ``method`` as in ``robots.estimation.graph.solve``.
     """
 
-    def __init__(
-        self, resolution_m: float = 0.05, method: Method = "gauss-newton"
-    ) -> None:
+    def __init__(self, resolution_m: float = 0.05, method: Method = "gauss-newton") -> None:
         self._method = method
         self._members: dict[str, _Member] = {}
         self._grid = FusedGrid(resolution_m)

@@ -121,8 +121,7 @@ def _error_m(recording: Recording, robot: RobotReplay, estimate: Trajectory) -> 
     if truth is None:
         return None
     try:
-        # a reference has a pose for each observation, however far apart they are: nothing is interpolated
-        return absolute_error(estimate, truth, max_gap_s=float("inf")).rmse_m
+        return absolute_error(estimate, truth, max_gap_s=recording.truth_gap_s).rmse_m
     except EvaluationError:
         return None
 

@@ -36,6 +36,7 @@ from robots.types import (
     LaserScan,
     Observation,
     Odometry,
+    RobotSighting,
     TagSighting,
     TagWrite,
     WheelEncoders,
@@ -180,6 +181,18 @@ BAD: dict[str, tuple[Observation, str]] = {
     "shift": (Observation(41, 10.0, Displacement(0, inf, 0)), "odometry.dy_m is not finite"),
     "yaw": (Observation(41, 10.0, GOOD, ImuReading(nan)), "imu holds a value that is not finite"),
     "roll": (Observation(41, 10.0, GOOD, ImuReading(0.0, nan)), "imu holds a value that is not finite"),
+    "tag range": (
+        Observation(41, 10.0, GOOD, tag_sightings=(TagSighting("A", b"", inf, 0.0),)),
+        "a sighting holds a value that is not finite",
+    ),
+    "robot bearing": (
+        Observation(41, 10.0, GOOD, robot_sightings=(RobotSighting("r2", 1.0, nan),)),
+        "a sighting holds a value that is not finite",
+    ),
+    "half a place": (
+        Observation(41, 10.0, GOOD, tag_sightings=(TagSighting("A", b"", 1.0),)),
+        "sighting of A has to have range and bearing or none",
+    ),
 }
 
 

@@ -57,7 +57,7 @@ def bad_starts(rng: np.random.Generator, problem: GraphProblem) -> dict[str, np.
     n = len(problem.poses)
     state, factors = assemble(problem)
     odometry = factors._replace(
-        pairs=factors.pairs[: n - 1], measured=factors.measured[: n - 1], robust_from=n - 1
+        pairs=factors.pairs[: n - 1], measured=factors.measured[: n - 1], tags_from=n - 1
     )
     scrambled = np.column_stack([rng.uniform(-50, 50, (n, 2)), rng.uniform(-pi, pi, n)])
     return {
@@ -108,7 +108,7 @@ def test_a_long_chain_with_one_loop_at_its_end_closes():
         prior_sds=np.full((1, 3), 0.01),
     )  # fmt: skip
     state, factors = assemble(problem)
-    odometry = factors._replace(pairs=chain, measured=measured, robust_from=n)
+    odometry = factors._replace(pairs=chain, measured=measured, tags_from=n)
     drifted = along_tree(state, odometry)
     assert abs(wrap_array(drifted[-1:, 2] - truth[-1].theta)[0]) > 0.5
     for start in (drifted, problem.poses):
