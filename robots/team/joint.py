@@ -9,6 +9,7 @@ from typing import Literal
 import numpy as np
 
 from robots.estimation.blunders import way_tests
+from robots.estimation.graph import Marginals
 from robots.estimation.graph_problem import GraphError, assemble
 from robots.estimation.tag_trust import Judgement, judge
 from robots.se2 import Array, Pose2, wrap
@@ -31,7 +32,8 @@ Method = Literal["gauss-newton", "linear"]
 class JointSolution:
     """The robots' pose vertices (n, 3) in the world, and the joint covariance of the newest of each.
 
-    Robots that are not ``located`` have their poses in their own map frame, and no covariance.
+    Robots that are not ``located`` have their poses in their own map frame, and no covariance. ``begins``:
+    the vertex of ``marginals`` that is a robot's first pose.
     """
 
     anchors: dict[str, Array] = field(default_factory=dict)
@@ -39,6 +41,17 @@ class JointSolution:
     covariances: dict[str, Array] = field(default_factory=dict)
     tags: tuple[TeamTag, ...] = ()
     notices: tuple[TeamNotice, ...] = ()
+    marginals: Marginals | None = None
+    begins: dict[str, int] = field(default_factory=dict)
+
+    def between(self, first: tuple[str, int], second: tuple[str, int]) -> Array:
+        """Return the covariance (2, 2) of where pose vertices (robot, index) stand to each other."""
+        if self.marginals is None:
+            return np.zeros((2, 2))
+        i, j = (self.begins[name] + index for name, index in (first, second))
+        joint = self.marginals.joint(np.array([i, j]))
+        spread: Array = joint[:2, :2] + joint[3:5, 3:5] - joint[:2, 3:5] - joint[3:5, :2]
+        return spread
 
 
 def solve_together(
@@ -84,6 +97,8 @@ def solve_together(
         located=frozenset(joint.names),
         covariances=covariances,
         tags=_tags(joint, judged, found),
+        marginals=judged.solution.marginals,
+        begins=joint.begins,
         notices=tuple(sorted(notices, key=lambda notice: (notice.kind, notice.about, notice.since_s))),
     )
 

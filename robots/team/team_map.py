@@ -183,15 +183,16 @@ class TeamMap:
         return trail
 
     def _merged_victims(self) -> tuple[TeamVictim, ...]:
-        seen = []
+        seen, anchored = [], {}
         for name in sorted(self._solution.located):
             anchors = self._solution.anchors[name]
-            seen += [
-                in_world(name, victim, Pose2.from_array(anchors[victim.anchor]))
-                for victim in self._members[name].victims.values()
-                if victim.anchor < len(anchors)
-            ]
-        return merge_victims(seen)
+            for victim in self._members[name].victims.values():
+                if victim.anchor < len(anchors):
+                    seen.append(in_world(name, victim, Pose2.from_array(anchors[victim.anchor])))
+                    anchored[victim.victim_id] = name, victim.anchor
+        return merge_victims(
+            seen, lambda a, b: self._solution.between(anchored[a.victim_id], anchored[b.victim_id])
+        )
 
 
 def _snapped(place: Pose2) -> Pose2:
