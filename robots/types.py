@@ -222,7 +222,8 @@ class SubmapReport:
 class VictimEstimate:
     """A victim as one robot knows it.
 
-    ``position_m`` (2,) and ``covariance`` (2, 2) in the frame of its anchor pose vertex.
+    ``position_m`` (2,) and ``covariance`` (2, 2) in the frame of its anchor pose vertex; ``kind``: what the
+    sensor that saw it finds.
     """
 
     victim_id: str
@@ -233,6 +234,7 @@ class VictimEstimate:
     sightings: int
     first_seen_s: float
     last_seen_s: float
+    kind: str = "person"
 
 
 Activity = Literal["starting", "exploring", "returning", "holding", "stuck", "done"]
