@@ -23,5 +23,6 @@ def load(dataset: str, path: Path, virtual_tags_m: float | None = None) -> Recor
         RecordingError: the format is unknown, or the file is not of it.
     """
     if dataset not in DATASETS:
-        raise RecordingError(f"there is no dataset {dataset!r}; known are {', '.join(sorted(DATASETS))}")
+        known = sorted([*DATASETS, "g2o"])  # a pose graph has nothing to observe: pose_graph_replay
+        raise RecordingError(f"there is no dataset {dataset!r}; known are {', '.join(known)}")
     return DATASETS[dataset](path, virtual_tags_m)

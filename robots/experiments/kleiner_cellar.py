@@ -66,7 +66,9 @@ def measure(options: Options, spacings_m: tuple[float | None, ...] = SPACINGS_M)
 def _folder(data: Path | None) -> Path:
     for name in (RECORDING, RELATIONS):
         if data is None or not (data / name).is_file():
-            raise ExperimentError(f"the recording {name} is not in {data}; give --data DIR, a folder that has it")
+            raise ExperimentError(
+                f"the recording {name} is not in {data}; give --data DIR, a folder that has it"
+            )
     assert data is not None
     return data
 

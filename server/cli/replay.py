@@ -83,6 +83,16 @@ def replay(
         raise CommandError(f"--slam has to be {' or '.join(_SLAM)}, not {slam!r}")
     changes = {} if slam is None else {"slam": slam}
     check_writable(out)
+    if dataset == "g2o":
+        from server.cli.replay_graph import replay_pose_graph
+
+        given = (robots, order, virtual_tags, relations, server, mission)
+        if any(option is not None for option in given):
+            raise CommandError(
+                "a pose graph has no robots and no sensors: it takes --slam, --out and --json alone"
+            )
+        _print(f"g2o {path.name}", replay_pose_graph(path, slam, out), json)
+        return
     try:
         recording = load(dataset, path, virtual_tags)
         chosen = choose_robots(recording.robots, robots, order)
@@ -94,10 +104,14 @@ def replay(
             summary = post_recording(recording, server, speed, mission, chosen, changes)
     except RecordingError as error:
         raise CommandError(str(error)) from error
+    _print(f"{dataset} {path.name}", summary, json)
+
+
+def _print(title: str, summary: dict[str, Any], json: bool) -> None:
     if json:
         print_json(summary)
     else:
-        print_table(f"{dataset} {path.name}", summary)
+        print_table(title, summary)
 
 
 def _replay_here(

@@ -111,6 +111,21 @@ def test_robots_go_through_a_recording_in_the_order_asked_for(team, tmp_path, ca
     assert len(list(tmp_path.glob("trajectory_r?_final.tum"))) == 3
 
 
+def test_a_pose_graph_is_replayed_and_written(tmp_path, capsys):
+    path = tmp_path / "square.g2o"
+    edges = [(k, k + 1) for k in range(8)] + [(0, 4), (4, 8)]
+    turn = ["1 0 1.5707963", "0 0 6.2831853"]
+    path.write_text("".join(f"EDGE_SE2 {i} {j} {turn[j - i > 1]} 100 0 0 100 0 100\n" for i, j in edges))
+    assert run(["replay", "g2o", str(path), "--out", str(tmp_path / "out"), "--json"]) == 0
+    shown = capsys.readouterr()
+    result = json.loads(shown.out)
+    assert (result["vertices"], result["edges"], result["loops"]) == (9, 10, 2)
+    assert result["chi2"] == pytest.approx(0.0, abs=1e-6)
+    assert shown.err.startswith("Note: vertices that only edges name were placed along them: 0, 1")
+    assert len(read_tum(tmp_path / "out" / "trajectory_r1_final.tum")) == 9
+    assert run(["solve", str(tmp_path / "out" / "solved.g2o"), "--json"]) == 0
+
+
 def test_relations_are_compared_on_demand(recording, tmp_path, capsys):
     truth = np.load(recording)["corrected_pose"]
     rows = []
@@ -126,8 +141,12 @@ def test_relations_are_compared_on_demand(recording, tmp_path, capsys):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["mars", "FILE"], "there is no dataset 'mars'; known are csail, intel, log, mrclam"),
+        (["mars", "FILE"], "there is no dataset 'mars'; known are csail, g2o, intel, log, mrclam"),
         (["intel", "absent.npz"], "there is no recording absent.npz"),
+        (["log", "FILE"], "is no mission log that waymark export wrote"),
+        (["g2o", "absent.g2o"], "cannot read the graph absent.g2o"),
+        (["g2o", "FILE"], "has no VERTEX_SE2 and no EDGE_SE2 line"),
+        (["g2o", "FILE", "--robots", "1"], "a pose graph has no robots and no sensors"),
         (["intel", "FILE", "--virtual-tags", "0"], "--virtual-tags has to be greater than 0"),
         (["intel", "FILE", "--virtual-tags", "nan"], "--virtual-tags has to be a finite number"),
         (["intel", "FILE", "--speed", "-1"], "--speed has to be 0 or more"),
