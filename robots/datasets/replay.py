@@ -108,7 +108,7 @@ class _Day:
                 self._keep(float(stamp), update)
                 on_update(robot_id, update)
             on_step()
-        self.last = agent.report()
+        self.last = agent.smoothed()
 
     def _keep(self, stamp_s: float, update: AgentUpdate) -> None:
         self._steps.append(TrajectoryStep(stamp_s, update.anchor, update.anchor_from_base))
