@@ -102,7 +102,7 @@ class Wheels:
 def _readings(
     speeds: Array, asides: Array, dt_s: float, grips: Array, z: Array, gains: Array, shared: float, own: float
 ) -> Array:
-    """The encoder model, row by row: ``asides`` is what the turn adds to the speed of the right, ``z`` (n, 9)."""
+    """The encoder model; ``asides`` is what the turn adds to the speed of the right wheels, ``z`` (n, 9)."""
     readings = np.empty((len(speeds), 4))
     for k in range(len(speeds)):
         for wheel in range(4):
