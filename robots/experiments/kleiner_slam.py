@@ -212,10 +212,10 @@ _COLUMNS = (
     Column("paper", "paper_figure"),
 )
 _NOTES = (
-    "Root mean squares after rigid alignment, mean ± deviation over the runs; the JSON has them from the fixed"
-    " start too. 'x smaller' compares with the wheels alone.",
-    "Reckoned: the wheels' distance along the heading named. But for scale: what remains when the scale may be"
-    " chosen; wheels that roll long by a constant share make a map that much too large, and no tag tells.",
+    "Root mean squares after rigid alignment, mean ± deviation over the runs; the JSON has them from the"
+    " fixed start too. 'x smaller' compares with the wheels alone.",
+    "Reckoned: the wheels' distance along the heading named. But for scale: what remains when the scale may"
+    " be chosen. Wheels that roll long by a constant share make a map too large by it, and no tag tells.",
     "The paper prints curves and no numbers (figures named in the last column), so none stand beside ours.",
 )
 

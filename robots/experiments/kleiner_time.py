@@ -148,6 +148,6 @@ EXPERIMENT = Experiment(
     ),
     notes=(
         "Ours: one thread, warm, the problem built and solved; mean ± deviation over runs with other noise.",
-        "Paper: Pentium 4, 2.4 GHz; it does not say how many tags and edges, save about 50 tags on the small map.",
+        "Paper: Pentium 4, 2.4 GHz; about 50 tags on the small map, the other graphs' sizes are not printed.",
     ),
 )

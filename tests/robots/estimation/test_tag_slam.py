@@ -186,3 +186,18 @@ def test_an_odd_scan_is_no_sign_of_another_place(ranges):
     surface = np.random.default_rng(0).uniform(-3.0, 3.0, (100, 2))
     assert 0.0 <= share_seen_through(scan, Pose2(), surface) <= 1.0
     assert share_seen_through(replace(scan, angle_increment_rad=0.0), Pose2(), surface) == 0.0
+
+
+@pytest.mark.parametrize("moved", [False, True], ids=["same place", "carried"])
+def test_after_minutes_of_silence_the_first_scans_tell_whether_it_was_carried(rooms, moved):
+    robot = Carried(rooms, imu=False)
+    robot.go(10, tag="A")
+    robot.go(20, turn_rad=0.15)
+    robot.seq += 3000  # ten minutes in which nobody heard of it
+    if moved:
+        robot.lift(Pose2(20.0, -1.0, 0.4))
+    before = robot.slam.pose
+    robot.go(6)
+    assert len(robot.lost) == moved
+    after = robot.slam.pose
+    assert hypot(after.x - before.x, after.y - before.y) == pytest.approx(0.6, abs=0.05)
