@@ -85,6 +85,10 @@ class MissionLog:
         """Return nothing: mission control does not know."""
         return None
 
+    def tag_places(self) -> dict[str, tuple[float, float]]:
+        """Return nothing: mission control does not know."""
+        return {}
+
     def observations(self, robot_id: str) -> Iterator[Observation]:
         """Yield the observations as the mission's agent was given them."""
         for owner, observation in _read(self.path, None):

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from robots.datasets.mission_log import UpdateComparison
     from robots.datasets.recording import Recording
     from robots.datasets.replay import RobotReplay
+    from robots.team import TeamUpdate
     from robots.trajectory import Trajectory
 
 _SLAM = ("tag-graph", "odometry")
@@ -126,6 +127,7 @@ def _replay_here(
     from robots.agent import ObservationError
     from robots.config import ConfigError
     from robots.datasets.replay import replay as run
+    from robots.estimation.graph import GraphError
     from robots.evaluation import EvaluationError, read_relations
     from robots.outputs import write_team, write_trajectories
 
@@ -146,7 +148,7 @@ def _replay_here(
                 changes,
                 lambda robot_id, update: comparisons[robot_id].take(update) if comparisons else None,
             )
-        except (ConfigError, ObservationError) as error:
+        except (ConfigError, GraphError, ObservationError) as error:
             raise CommandError(f"{recording.name}: {error}") from error
     wall_s = perf_counter() - began
     if out is not None:
@@ -166,6 +168,7 @@ def _replay_here(
         "explored_m2": result.team.explored_m2,
         "ate_m": {robot.robot_id: _error_m(recording, robot, robot.final) for robot in result.robots},
         "ate_online_m": {robot.robot_id: _error_m(recording, robot, robot.online) for robot in result.robots},
+        "tags_m": _tags_m(recording, result.team),
         "step_hz": len(step_ms) / wall_s,
         "wall_s": wall_s,
         "step_ms_p50": float(np.percentile(step_ms, 50)),
@@ -200,6 +203,16 @@ def _error_m(recording: Recording, robot: RobotReplay, estimate: Trajectory) -> 
         return None
     try:
         return absolute_error(estimate, truth, max_gap_s=recording.truth_gap_s).rmse_m
+    except EvaluationError:
+        return None
+
+
+def _tags_m(recording: Recording, team: TeamUpdate) -> float | None:
+    from robots.evaluation import EvaluationError, places_error
+
+    try:
+        found = {tag.tag_id: (tag.x_m, tag.y_m) for tag in team.tags}
+        return places_error(found, recording.tag_places()).mean_m
     except EvaluationError:
         return None
 

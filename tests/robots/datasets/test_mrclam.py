@@ -119,6 +119,14 @@ def test_every_robot_of_the_file_is_there_with_its_truth(tmp_path):
     assert absolute_error(poses, truth, recording.truth_gap_s).rmse_m < 1e-3
 
 
+def test_landmarks_are_known_where_the_file_has_them(tmp_path):
+    assert load(write(tmp_path)).tag_places() == {}
+    rows = np.array([[6, 2.0, 1.0, 0.0, 0.0], [7, np.nan, 3.0, 0.0, 0.0], [20, 4.0, -2.0, 0.1, 0.1]])
+    assert load(write(tmp_path, landmarks=rows)).tag_places() == {"L6": (2.0, 1.0), "L20": (4.0, -2.0)}
+    with pytest.raises(RecordingError, match="'landmarks' has shape"):
+        load(write(tmp_path, landmarks=rows[:, :3]))
+
+
 def test_the_settings_fit_the_agent(tmp_path):
     config = override(AgentConfig(), load(write(tmp_path)).settings)
     assert config.deployment.magazine == 0

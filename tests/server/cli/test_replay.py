@@ -82,6 +82,7 @@ def test_the_day_is_replayed_and_written(recording, tmp_path, capsys):
     assert result["observations"] == 104
     assert result["ate_m"]["r1"] < 0.1
     assert result["sightings"] >= result["tags"] > 5
+    assert result["tags_m"] < 0.2
     final = read_tum(tmp_path / "trajectory_r1_final.tum")
     assert final.stamps_s.tolist() == (1000.0 + np.arange(104)).tolist()
     tags = [row.split(",")[0] for row in (tmp_path / "tags.csv").read_text().splitlines()[1:]]
