@@ -107,6 +107,15 @@ class RobotAgent:
             victims=self._victims.victims(),
         )
 
+    def smoothed(self) -> AgentUpdate:
+        """Return the report with the graph after a batch solve: the best map, which takes seconds to make.
+
+        Raises:
+            ObservationError: nothing has been observed yet.
+        """
+        report = self.report()
+        return report if self._slam is None else replace(report, graph=self._slam.smoothed())
+
     def snapshot(self) -> bytes:
         """Return the whole state as bytes."""
         return freeze(self)

@@ -31,6 +31,7 @@ from numpy.typing import NDArray
 from robots.datasets.recording import RecordingError, array_names, load_arrays
 from robots.datasets.velocities import HeldVelocities, displacements
 from robots.se2 import Array
+from robots.team import StartPose
 from robots.trajectory import Trajectory
 from robots.types import Displacement, Observation, RobotSighting, TagSighting
 
@@ -88,6 +89,14 @@ class MrclamRecording:
     def settings(self) -> dict[str, Any]:
         """Overrides of ``AgentConfig`` for this hardware."""
         return _SETTINGS
+
+    def settings_of(self, robot_id: str) -> dict[str, Any]:
+        """Return the same: the robots are alike."""
+        return _SETTINGS
+
+    def start_pose(self, robot_id: str) -> StartPose | None:
+        """Return nothing: the map begins where the robot did."""
+        return None
 
     def length(self, robot_id: str) -> int:
         """Return the number of observations."""

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from robots.datasets import intel, mrclam
+from robots.datasets import csail, intel, mrclam
 from robots.datasets.recording import Recording, RecordingError
 
 DATASETS: dict[str, Callable[[Path, float | None], Recording]] = {
+    "csail": csail.load,
     "intel": intel.load,
     "mrclam": mrclam.load,
 }

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from robots.experiments import kleiner_slam
 from robots.experiments.experiment import Experiment
 
-_ALL: tuple[Experiment, ...] = ()
+_ALL: tuple[Experiment, ...] = (kleiner_slam.EXPERIMENT, kleiner_slam.ON_PLANS)
 
 EXPERIMENTS: dict[str, Experiment] = {experiment.name: experiment for experiment in _ALL}

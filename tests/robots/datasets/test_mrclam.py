@@ -1,6 +1,7 @@
 """The MRCLAM format: robots driven here without noise, odd and damaged files, and the real one."""
 
 from dataclasses import fields
+from functools import lru_cache
 from itertools import pairwise
 from pathlib import Path
 
@@ -35,6 +36,11 @@ def drive(t_ms: np.ndarray, vw: np.ndarray, at_ms: float) -> Pose2:
 
 
 def one_robot(number: int = 1) -> dict[str, np.ndarray]:
+    return {name: array.copy() for name, array in _driven(number).items()}
+
+
+@lru_cache
+def _driven(number: int) -> dict[str, np.ndarray]:
     t_ms = np.cumsum([1000, *([10, 20, 40, 10, 300, 10] * 20)])
     vw = told(t_ms)
     seen_ms = np.arange(t_ms[0] + 500, t_ms[-1], 700)

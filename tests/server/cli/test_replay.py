@@ -37,6 +37,30 @@ def recording(tmp_path_factory):
     return path
 
 
+@pytest.fixture(scope="module")
+def team(tmp_path_factory):
+    """Robots 1, 2 and 4 on circles among four landmarks; they turn 0.8 times as far as they were told."""
+    arrays = {}
+    for number in (1, 2, 4):
+        t_ms = np.arange(0, 40_000, 100)
+        seen, truth = [], []
+        for at in t_ms:
+            pose = Pose2(0.0, 0.1 * number, 0.0) @ Pose2.exp(np.array([0.25, 0.0, 0.16]) * 0.94 * at / 1e3)
+            truth.append(pose.as_array())
+            for k, place in enumerate([(3.0, 3.0), (-3.0, 3.0), (-3.0, -1.0), (3.0, -1.0)]):
+                x, y = pose.inverse().transform_point(*place)
+                if at % 500 == 0 and x > 0.0:
+                    seen.append([at, 6 + k, np.hypot(x, y), np.arctan2(y, x)])
+        told = np.tile([0.25, 0.2], (len(t_ms), 1))
+        arrays |= {f"odo{number}_t_ms": t_ms - 240, f"odo{number}_vw": told}
+        rows = np.array(seen)
+        arrays |= {f"meas{number}_t_ms": rows[:, 0] + 40, f"meas{number}_subject": rows[:, 1].astype(int)}
+        arrays |= {f"meas{number}_rb": rows[:, 2:], f"gt{number}_t_ms": t_ms, f"gt{number}_xyth": truth}
+    path = tmp_path_factory.mktemp("recording") / "team.npz"
+    np.savez(path, **arrays)
+    return path
+
+
 def _scan(pose: Pose2, angles: np.ndarray) -> np.ndarray:
     """Ranges to the walls of the room and to a round pillar in its middle."""
     c, s = np.cos(pose.theta + angles), np.sin(pose.theta + angles)
@@ -65,6 +89,28 @@ def test_the_day_is_replayed_and_written(recording, tmp_path, capsys):
     assert (tmp_path / "map.png").exists()
 
 
+def test_by_odometry_alone_the_graph_is_not_solved(team, tmp_path, capsys):
+    """The wheels of this robot turn too far: only the landmarks can tell."""
+    arguments = ["replay", "mrclam", str(team), "--robots", "r1", "--json"]
+    assert run(arguments) == 0
+    with_tags = json.loads(capsys.readouterr().out)
+    assert run([*arguments, "--slam", "odometry"]) == 0
+    without = json.loads(capsys.readouterr().out)
+    assert (with_tags["slam"], without["slam"]) == ("tag-graph", "odometry")
+    assert with_tags["sightings"] == without["sightings"] > 100
+    assert without["ate_m"]["r1"] > 3.0 * with_tags["ate_m"]["r1"]
+
+
+def test_robots_go_through_a_recording_in_the_order_asked_for(team, tmp_path, capsys):
+    arguments = ["replay", "mrclam", str(team), "--order", "r4,r1", "--out", str(tmp_path), "--json"]
+    assert run(arguments) == 0
+    result = json.loads(capsys.readouterr().out)
+    assert list(result["ate_m"]) == ["r4", "r1", "r2"]
+    assert run([*arguments, "--robots", "r2,r4"]) == 1
+    assert "there is no robot 'r1'; there are r2, r4" in capsys.readouterr().err
+    assert len(list(tmp_path.glob("trajectory_r?_final.tum"))) == 3
+
+
 def test_relations_are_compared_on_demand(recording, tmp_path, capsys):
     truth = np.load(recording)["corrected_pose"]
     rows = []
@@ -80,11 +126,14 @@ def test_relations_are_compared_on_demand(recording, tmp_path, capsys):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["mars", "FILE"], "there is no dataset 'mars'; known are intel"),
+        (["mars", "FILE"], "there is no dataset 'mars'; known are csail, intel, mrclam"),
         (["intel", "absent.npz"], "there is no recording absent.npz"),
         (["intel", "FILE", "--virtual-tags", "0"], "--virtual-tags has to be greater than 0"),
         (["intel", "FILE", "--virtual-tags", "nan"], "--virtual-tags has to be a finite number"),
         (["intel", "FILE", "--speed", "-1"], "--speed has to be 0 or more"),
+        (["intel", "FILE", "--slam", "ekf"], "--slam has to be tag-graph or odometry, not 'ekf'"),
+        (["intel", "FILE", "--robots", "2"], "--robots 2: the recording has 1: r1"),
+        (["intel", "FILE", "--order", "r2"], "--order: there is no robot 'r2'; there are r1"),
         (["intel", "FILE", "--relations", "absent"], "cannot read the relations absent"),
         (["intel", "FILE", "--server", "ftp://x"], "is not the address of a server"),
         (
