@@ -81,6 +81,20 @@ def test_a_running_mission_control_gives_the_log_too(driven, drive, tmp_path, ca
     assert replayed["bit_equal"] == {"r1": True}
 
 
+def test_a_log_posted_to_another_mission_control_becomes_the_same_log(ended, control, tmp_path, capsys):
+    first, second = tmp_path / "first.log", tmp_path / "second.log"
+    url = f"http://127.0.0.1:{control.port}"
+    assert run(["export", "log", "school", "--data", str(ended), "--out", str(first)]) == 0
+    post = ["--server", url, "--speed", "0", "--mission", "school-again"]
+    assert run(["replay", "log", str(first), *post]) == 0
+    assert run(["export", "log", "school-again", "--server", url, "--out", str(second)]) == 0
+    ours, theirs = lines_of(first), lines_of(second)
+    assert ours[2:-2] == theirs[2:-1]  # r2 had nothing to post
+    told, told_again = json.loads(ours[1]), json.loads(theirs[1])
+    for name in ("robot_id", "start_pose", "config", "observations"):
+        assert told[name] == told_again[name]
+
+
 def test_what_cannot_be_exported_ends_in_one_sentence(ended, control, tmp_path, capsys):
     url = f"http://127.0.0.1:{control.port}"
     out = ["--out", str(tmp_path / "x.log")]

@@ -214,6 +214,17 @@ def test_a_recording_is_posted_through_the_robot_api(recording, control, capsys)
     assert observations[0]["tag_sightings"] == [{"tag_id": "1", "memory": ""}]
 
 
+def test_agents_on_a_server_are_told_how_to_estimate_too(team, control, capsys):
+    url, seen = control
+    options = ["--server", url, "--speed", "0", "--robots", "2", "--order", "r2", "--slam", "odometry"]
+    assert run(["replay", "mrclam", str(team), *options, "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["robots"] == 2
+    assert [robot["robot_id"] for robot in seen["robots"]] == ["r2", "r1"]
+    assert seen["robots"][0]["config"]["slam"] == "odometry"
+    observed = [item for batch in seen["batches"] for item in batch["observations"]]
+    assert any("range_m" in tag for item in observed for tag in item.get("tag_sightings", ()))
+
+
 def test_the_speed_is_kept_and_a_second_call_goes_on(recording, control, capsys):
     url, _ = control
     arguments = ["replay", "intel", str(recording), "--server", url, "--mission", "day", "--json"]
