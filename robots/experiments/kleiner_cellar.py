@@ -8,14 +8,14 @@ does.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from robots.config import AgentConfig, ConfigError, override
-from robots.datasets.intel import IntelRecording, load
+from robots.datasets.intel import load
+from robots.datasets.laser import LaserRecording
 from robots.datasets.recording import RecordingError
 from robots.datasets.replay import replay
 from robots.datasets.virtual_tags import VirtualTags, place_tags
@@ -29,7 +29,7 @@ from robots.trajectory import Trajectory
 RECORDING, RELATIONS = "intel_raw_2726.npz", "intel.relations"
 SPACINGS_M: tuple[float | None, ...] = (1.0, 2.0, 3.0, 4.0, 6.0, 8.0, None)
 RBPF_M, GRAPH_MAPPING_M, REFERENCE_M = 0.070, 0.031, 0.0965  # published; measured on these stamps
-_NO_LASER_LOOPS = {"loops": {"laser": False}}
+_NO_LASER_LOOPS: dict[str, Any] = {"loops": {"laser": False}}
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,8 +49,7 @@ def measure(options: Options, spacings_m: tuple[float | None, ...] = SPACINGS_M)
     """
     folder = _folder(options.data)
     recording, relations = _read(folder)
-    switches = (False, True) if _has_laser_loops() else (True,)
-    settings = [(spacing, laser) for laser in switches for spacing in spacings_m]
+    settings = [(spacing, laser) for laser in (False, True) for spacing in spacings_m]
     work = [
         _Replay(folder, spacing, laser, options.seed, run)
         for spacing, laser in settings
@@ -72,26 +71,11 @@ def _folder(data: Path | None) -> Path:
     return data
 
 
-def _read(folder: Path) -> tuple[IntelRecording, Array]:
+def _read(folder: Path) -> tuple[LaserRecording, Array]:
     try:
         return load(folder / RECORDING), read_relations(folder / RELATIONS)
     except (RecordingError, EvaluationError) as error:
         raise ExperimentError(str(error)) from error
-
-
-def _has_laser_loops() -> bool:
-    """Say whether this agent can close loops by laser at all; else nothing is there to switch off."""
-    try:
-        override(AgentConfig(), _NO_LASER_LOOPS)
-    except ConfigError:
-        return False
-    return True
-
-
-class _WithoutLaserLoops(IntelRecording):
-    @property
-    def settings(self) -> dict[str, Any]:
-        return super().settings | _NO_LASER_LOOPS
 
 
 def _replay(item: _Replay) -> dict[str, float]:
@@ -100,10 +84,7 @@ def _replay(item: _Replay) -> dict[str, float]:
         path = recording.reference[:, :2]
         first = _first(len(path), item.seed, item.run)
         recording = replace(recording, tags=placed_from(path, item.spacing_m, first))
-    if not item.laser_loops:
-        given = {each.name: getattr(recording, each.name) for each in fields(recording)}
-        recording = _WithoutLaserLoops(**given)
-    result = replay(recording)
+    result = replay(recording, changes=None if item.laser_loops else _NO_LASER_LOOPS)
     (robot,) = result.robots
     truth = recording.truth(robot.robot_id)
     assert truth is not None
@@ -126,7 +107,7 @@ def placed_from(path_m: Array, spacing_m: float, first: int) -> VirtualTags:
     return VirtualTags(tags.places_m, {(frame + first) % n: seen for frame, seen in tags.sighted.items()})
 
 
-def _raw(recording: IntelRecording) -> Trajectory:
+def _raw(recording: LaserRecording) -> Trajectory:
     """Return the trajectory by the wheels alone."""
     pose, poses = Pose2(), []
     for row in recording.displacements:
