@@ -81,7 +81,7 @@ class TeamServant:
             self._team = self._module.TeamMap()
             return []
         if kind is Kind.ADD_ROBOT:
-            self._team.add_robot(parts[0].decode(), self._start(parts[1]))
+            self._team.add_robot(parts[0].decode(), start_pose(self._module, parts[1]))
             return []
         if kind is Kind.PUT:
             for part in parts[1:]:
@@ -91,12 +91,14 @@ class TeamServant:
             return [codec.encode(self._team.solve())]
         raise ValueError(f"a team map cannot answer {kind.name}")
 
-    def _start(self, data: bytes) -> Any:
-        if not data:
-            return None
-        start = json.loads(data)
-        pose = Pose2(start["x_m"], start["y_m"], start["yaw_rad"])
-        return self._module.StartPose(pose, start["sd_m"], start["sd_rad"])
+
+def start_pose(team_module: ModuleType, data: bytes) -> Any:
+    """Return a surveyed start as the team map takes it, None where there is none."""
+    if not data:
+        return None
+    start = json.loads(data)
+    pose = Pose2(start["x_m"], start["y_m"], start["yaw_rad"])
+    return team_module.StartPose(pose, start["sd_m"], start["sd_rad"])
 
 
 def serve(connection: socket.socket, servant: Servant) -> int:
