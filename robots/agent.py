@@ -214,6 +214,7 @@ class RobotAgent:
             covariance=here.covariance,
             anchor=slam.anchor,
             anchor_from_base=slam.anchor_from_base.mean,
+            anchor_from_base_covariance=slam.anchor_from_base.covariance,
             command=command,
             activity=decision.activity,
             reason=decision.reason,

@@ -245,8 +245,8 @@ class AgentUpdate:
     """What an agent makes of one observation.
 
     ``pose`` and ``covariance`` (3, 3) in the map frame; ``anchor_from_base`` in the frame of pose vertex
-    ``anchor``; ``goal_m`` and ``path_m`` (n, 2) in the map frame. ``graph``, ``submaps`` and ``victims`` are
-    given when they changed.
+    ``anchor``, ``anchor_from_base_covariance`` (3, 3) of it alone; ``goal_m`` and ``path_m`` (n, 2) in the
+    map frame. ``graph``, ``submaps`` and ``victims`` are given when they changed.
     """
 
     seq: int
@@ -267,3 +267,4 @@ class AgentUpdate:
     graph: GraphReport | None = None
     submaps: tuple[SubmapReport, ...] = ()
     victims: tuple[VictimEstimate, ...] = ()
+    anchor_from_base_covariance: Array | None = None

@@ -40,7 +40,9 @@ class History:
         if not all(map(isfinite, (stamp_s, place.x, place.y, place.theta))):
             return
         step = (seq, stamp_s, anchor, place.x, place.y, place.theta)
-        if self._keep(step) and len(self._steps) > _MOST:
+        if not self._keep(step):
+            return
+        while len(self._steps) > max(_MOST, 2):
             steps, self._steps = list(self._steps.values()), {}
             self._bucket_s *= 2.0
             for each in steps:
