@@ -50,7 +50,7 @@ def team(tmp_path_factory):
             for k, place in enumerate([(3.0, 3.0), (-3.0, 3.0), (-3.0, -1.0), (3.0, -1.0)]):
                 x, y = pose.inverse().transform_point(*place)
                 if at % 500 == 0 and x > 0.0:
-                    seen.append([at, 6 + k, np.hypot(x, y), np.arctan2(y, x)])
+                    seen.append([at, 6 + k, 0.985 * np.hypot(x, y) + 0.03, np.arctan2(y, x)])
         told = np.tile([0.25, 0.2], (len(t_ms), 1))
         arrays |= {f"odo{number}_t_ms": t_ms - 240, f"odo{number}_vw": told}
         rows = np.array(seen)
