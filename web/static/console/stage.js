@@ -1,7 +1,7 @@
 /** What lies over the plan: tools, layers, scale, cursor, north, and words when there is nothing to show. */
 
 import { fixed } from "./format.js";
-import { MapSwitch } from "./map_switch.js";
+import { BestWords, MapSwitch } from "./map_switch.js";
 import { LAYERS } from "./store.js";
 import { Component, html } from "./vendor.js";
 
@@ -36,6 +36,7 @@ export function PlanTools({ store, plan }) {
       ${plan.cursor && html`<span class="cursor">x ${fixed(plan.cursor.x_m, 2)}  y ${fixed(plan.cursor.y_m, 2)} m
         ${plan.cursor.tag && html`<b>${plan.cursor.tag}</b>`}</span>`}
     </div>
+    <${BestWords} store=${store} />
     <${PlanWords} store=${store} />`;
 }
 
