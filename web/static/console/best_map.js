@@ -102,9 +102,11 @@ export class BestMap {
     return !this.state?.solved_unix_s || this.#newer().length > 0;
   }
 
-  /** How far robots have driven since it was made, in metres; one that is not in it counts with its whole way. */
+  /** How far robots have driven since it was made, in metres; one that came later counts with its whole way. */
   drivenSince_m() {
-    return this.#newer().reduce((sum, [robot, known_m]) => sum + Math.max(0, robot.distance_m - known_m), 0);
+    const left = new Set((this.state?.left_out ?? []).map((each) => each.robot_id)); // told apart
+    return this.#newer().filter(([robot]) => !left.has(robot.robot_id))
+      .reduce((sum, [robot, known_m]) => sum + Math.max(0, robot.distance_m - known_m), 0);
   }
 
   /** Whether robots have been somewhere since. */

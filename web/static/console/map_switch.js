@@ -21,22 +21,33 @@ export function MapSwitch({ store }) {
       <button type="button" aria-pressed=${best.isShown} onClick=${() => best.show()}
               title="Everything recorded, solved again in one go (B)">Best map</button>
     </div>
-    ${best.isShown && html`<${BestStatus} store=${store} />`}`;
+    ${best.isShown && best.content && html`<${BestStatus} store=${store} />`}`;
 }
 
-/** @param {{store: Store}} props */
+/** In the middle of the plan, while there is no best map to draw. @param {{store: Store}} props */
+export function BestWords({ store }) {
+  const { best } = store;
+  if (!best.isShown || best.content) return null;
+  const { line, detail } = words(store);
+  return html`<div class="best-words"><${Busy} best=${best} />
+    <div role="status"><strong>${line}</strong><p>${detail}</p></div><${Again} best=${best} /></div>`;
+}
+
+/** In the corner, while one is drawn. @param {{store: Store}} props */
 function BestStatus({ store }) {
   const { best } = store;
   const { line, detail, level } = words(store);
-  const busy = best.isSolving && html`<i class="busy" aria-hidden="true"></i>`;
-  const button = !best.isSolving && html`<button type="button" onClick=${() => best.solve()}>
-    ${best.state ? "Solve again" : "Solve"}</button>`;
-  if (!best.content) {
-    return html`<div class="best-words">${busy}<div role="status"><strong>${line}</strong><p>${detail}</p></div>${button}</div>`;
-  }
   return html`<div class=${`best-status ${level}`}>
-    <div role="status"><b>${line}</b>${detail && html`<span>${detail}</span>`}</div>${busy}${button}</div>`;
+    <div role="status"><b>${line}</b>${detail && html`<span>${detail}</span>`}</div>
+    <${Busy} best=${best} /><${Again} best=${best} /></div>`;
 }
+
+/** @param {{best: BestMap}} props */
+const Busy = ({ best }) => best.isSolving && html`<i class="busy" aria-hidden="true"></i>`;
+
+/** @param {{best: BestMap}} props */
+const Again = ({ best }) => !best.isSolving && html`<button type="button" onClick=${() => best.solve()}>
+  ${best.state ? "Solve again" : "Solve"}</button>`;
 
 /**
  * How the best map stands: one line, and a sentence where more is to be said.
@@ -61,13 +72,14 @@ function words(store) {
     return { line: "No best map yet", detail: "It is made when you ask: everything recorded, solved in one go.", level: "" };
   }
   if (!best.content) return { line: "Loading the best map", detail: `${solved}.`, level: "" };
-  const left = state?.left_out.map(({ robot_id, reason }) => `Without ${robot_id}: ${reason}.`).join(" ") ?? "";
+  const notes = (state?.left_out ?? []).map(({ robot_id, reason }) => `Without ${robot_id}: ${reason}.`);
+  if (!best.content.map) notes.push("There is no picture: no robot has sent scans.");
   if (best.isOutrun()) {
-    return { line: `${solved} · stale`, detail: `Robots have driven ${metres(best.drivenSince_m())} since. ${left}`,
-      level: "stale" };
+    const driven = `Robots have driven ${metres(best.drivenSince_m())} since.`;
+    return { line: `${solved} · stale`, detail: [driven, ...notes].join(" "), level: "stale" };
   }
-  if (best.content && !best.content.map) return { line: solved, detail: "No robot has sent a scan: there is no picture.", level: "" };
-  return { line: solved, detail: `Everything that robots have seen is in it. ${left}`, level: "" };
+  if (!notes.length) notes.push(best.isStale() ? "Robots have hardly moved since." : "All that robots have seen is in it.");
+  return { line: solved, detail: notes.join(" "), level: state?.left_out.length ? "warning" : "" };
 }
 
 /**

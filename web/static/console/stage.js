@@ -1,7 +1,7 @@
 /** What lies over the plan: tools, layers, scale, cursor, north, and words when there is nothing to show. */
 
 import { fixed } from "./format.js";
-import { MapSwitch } from "./map_switch.js";
+import { BestWords, MapSwitch } from "./map_switch.js";
 import { LAYERS } from "./store.js";
 import { Component, html } from "./vendor.js";
 
@@ -37,6 +37,7 @@ export function PlanTools({ store, plan }) {
         ${plan.cursor.tag && html`<b>${plan.cursor.tag}</b>`}</span>`}
       ${noticeAt(plan, store) && html`<span class="tag-notice">${noticeAt(plan, store)}</span>`}
     </div>
+    <${BestWords} store=${store} />
     <${PlanWords} store=${store} />`;
 }
 
