@@ -23,6 +23,7 @@ from robots.estimation.graph_factors import (
     Equations,
     Factors,
     Kernel,
+    between_jacobian,
     beyond,
     largest_turn,
     linearise,
@@ -88,13 +89,9 @@ class Marginals:
         Tags are counted after the poses; of a tag only the upper left (2, 2) says anything.
         """
         of_first, of_second = self._columns(first), self._columns(second)
-        a, b = self._state[first], self._state[second]
-        c, s = np.cos(a[2]), np.sin(a[2])
-        dx, dy = b[0] - a[0], b[1] - a[1]
-        T = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
-        by_first = -T @ np.array([[1.0, 0.0, -dy], [0.0, 1.0, dx], [0.0, 0.0, 1.0]])  # eq. (J)
-        cross = by_first @ of_second[first] @ T.T
-        covariance = by_first @ of_first[first] @ by_first.T + cross + cross.T + T @ of_second[second] @ T.T
+        J = between_jacobian(self._state[first], self._state[second])
+        joint = np.block([[of_first[first], of_second[first]], [of_first[second], of_second[second]]])
+        covariance = J @ joint @ J.T
         return np.asarray((covariance + covariance.T) / 2.0)
 
     def _columns(self, vertex: int) -> Array:
