@@ -24,6 +24,7 @@ from robots.estimation.graph_factors import (
     Equations,
     Factors,
     Kernel,
+    between_jacobian,
     beyond,
     largest_turn,
     linearise,
@@ -88,13 +89,8 @@ class Marginals:
 
         Tags are counted after the poses; of a tag only the upper left (2, 2) says anything.
         """
-        a, b = self._state[first], self._state[second]
-        c, s = np.cos(a[2]), np.sin(a[2])
-        dx, dy = b[0] - a[0], b[1] - a[1]
-        T = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
-        by_first = -T @ np.array([[1.0, 0.0, -dy], [0.0, 1.0, dx], [0.0, 0.0, 1.0]])  # eq. (J)
-        jacobian = np.hstack([by_first, T])
-        covariance: Array = jacobian @ self.joint(np.array([first, second])) @ jacobian.T
+        J = between_jacobian(self._state[first], self._state[second])
+        covariance: Array = J @ self.joint(np.array([first, second])) @ J.T
         return (covariance + covariance.T) / 2.0
 
     def joint(self, vertices: IntArray) -> Array:
