@@ -37,6 +37,8 @@ class RobotAgent:
         ConfigError: a setting of ``config`` names something that does not exist.
     """
 
+    updates_digest = b""  # chain of all updates so far, where whoever encodes them keeps one
+
     def __init__(self, robot_id: str, config: AgentConfig) -> None:
         self.robot_id = robot_id
         self.config = config
@@ -106,6 +108,15 @@ class RobotAgent:
             submaps=self._maps.all_reports(),
             victims=self._victims.victims(),
         )
+
+    def smoothed(self) -> AgentUpdate:
+        """Return the report with the graph after a batch solve: the best map, which takes seconds to make.
+
+        Raises:
+            ObservationError: nothing has been observed yet.
+        """
+        report = self.report()
+        return report if self._slam is None else replace(report, graph=self._slam.smoothed())
 
     def snapshot(self) -> bytes:
         """Return the whole state as bytes."""
@@ -203,6 +214,7 @@ class RobotAgent:
             covariance=here.covariance,
             anchor=slam.anchor,
             anchor_from_base=slam.anchor_from_base.mean,
+            anchor_from_base_covariance=slam.anchor_from_base.covariance,
             command=command,
             activity=decision.activity,
             reason=decision.reason,

@@ -12,7 +12,7 @@ import numpy as np
 from robots.agent import RobotAgent
 from robots.config import AgentConfig
 from robots.estimation.graph import solve
-from robots.estimation.tag_graph import TagGraph
+from robots.estimation.tag_graph import TagGraph, graph_problem
 from robots.se2 import GaussianPose, Pose2
 from robots.team import StartPose, TeamMap
 from robots.types import ImuReading, LaserScan, Observation, TagSighting, WheelEncoders
@@ -53,4 +53,4 @@ def _warm_up_bad_starts() -> None:
     for turn in range(4):
         graph.add_pose(GaussianPose(Pose2(1.0, 0.0, radians(90.0)), np.eye(3) * 1e-2), float(turn), None)
         graph.add_sighting(f"warm-{turn % 2}", (0.0, 0.0), np.eye(2) * 1e-2)
-    solve(graph.problem(), start="relaxed")
+    solve(graph_problem(graph.report()), start="relaxed")

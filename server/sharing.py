@@ -13,7 +13,8 @@ from server.map_image import MapImage
 
 def tag_record(tag: TeamTag) -> TagRecord:
     """Return a tag as it is stored."""
-    return TagRecord(tag.tag_id, _place(tag.x_m, tag.y_m, tag.covariance), tag.sightings, tag.robots)
+    place = _place(tag.x_m, tag.y_m, tag.covariance)
+    return TagRecord(tag.tag_id, place, tag.sightings, tag.robots, tag.state, tag.notice)
 
 
 def victim_record(victim: TeamVictim, known: VictimRecord | None) -> VictimRecord:
@@ -38,6 +39,8 @@ def tag_value(tag: TagRecord) -> dict[str, Any]:
         **_place_value(tag.place),
         "sightings": tag.sightings,
         "robots": list(tag.robots),
+        "state": tag.state,
+        "notice": tag.notice,
     }
 
 

@@ -8,9 +8,9 @@ are the surface points of the scans taken shortly before and after it: a single 
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from math import hypot
+from math import hypot, pi, sqrt
 
 import numpy as np
 
@@ -21,6 +21,7 @@ from robots.se2 import Array, GaussianPose, Pose2, wrap
 from robots.types import FloatArray32
 
 _SAME_PLACE = 13.8  # chi-square, 2 degrees of freedom: 1 in 1000 right matches is refused
+_SEARCH_SD, _MOST_WINDOW_M = 3.0, 1.5
 _ON_THE_SPOT = 40  # scans that are kept of one spot: more say nothing new
 _LIKE_THE_GRAPH = 25.0  # 3 degrees of freedom; the graph's covariance is only first order
 
@@ -104,10 +105,13 @@ class LoopCloser:
         if len(of_tag) > 1:
             self._waiting.append(sighting)
 
-    def close(self, driven_m: float, poses: Sequence[Pose2]) -> Loop | None:
+    def close(
+        self, driven_m: float, poses: Sequence[Pose2], relative: Callable[[int, int], GaussianPose]
+    ) -> Loop | None:
         """Match at most one pair of sightings that is due; return the loop if the match holds.
 
-        ``poses``: where the graph has its vertices now.
+        ``poses``: where the graph has its vertices now; ``relative``: how surely it knows the second of two
+        in the frame of the first.
         """
         while self._waiting and driven_m - self._waiting[0].driven_m >= self._config.reach_m:
             later = self._waiting.popleft()
@@ -115,20 +119,41 @@ class LoopCloser:
         if not self._pairs:
             return None
         earlier, later = self._pairs.popleft()
-        guess = poses[earlier.vertex].between(poses[later.vertex])
-        match = self.match(earlier.vertex, later.vertex, guess)
+        belief = relative(earlier.vertex, later.vertex)
+        match = self.match(earlier.vertex, later.vertex, belief)
         if match is None or not _same_tag(match.pose, earlier, later):
             return None
         return Loop(earlier.vertex, later.vertex, match.pose)
 
-    def match(self, earlier: int, later: int, guess: Pose2) -> CloudMatch | None:
-        """Match the surroundings of two vertices; None where the match is not to be trusted."""
-        config = self._config
-        window = Window(config.window_m, config.window_rad)
-        match = match_clouds(self.surroundings(earlier), self.surroundings(later), guess, window)
-        if match is None or match.overlap < config.min_overlap or match.margin < config.min_margin:
+    def match(self, earlier: int, later: int, belief: GaussianPose) -> CloudMatch | None:
+        """Match the surroundings of two vertices; None where the match is not to be trusted.
+
+        ``belief``: pose of the later in the frame of the earlier. It says how far to search and what is too
+        far off to be true.
+        """
+        match = match_clouds(
+            self.surroundings(earlier), self.surroundings(later), belief.mean, self._window(belief)
+        )
+        if (
+            match is None
+            or match.overlap < self._config.min_overlap
+            or match.margin < self._config.min_margin
+        ):
             return None
-        return match
+        return match if _agrees(belief, match.pose) else None
+
+    def _window(self, belief: GaussianPose) -> Window:
+        """Return where to search: as far as the graph may be off, but near the tag."""
+        sd_m = sqrt(max(belief.covariance[0, 0], belief.covariance[1, 1]))
+        sd_rad = sqrt(belief.covariance[2, 2])
+        reach_m = min(max(self._config.window_m, _SEARCH_SD * sd_m), _MOST_WINDOW_M)
+        turn_rad = max(self._config.window_rad, _SEARCH_SD * sd_rad)
+        return Window(reach_m, turn_rad if turn_rad < pi / 2.0 else pi)
+
+    def apart(self, earlier: int, later: int) -> bool:
+        """Say whether two vertices were passed at other times: their surroundings share no scan."""
+        a, b = self._places.get(earlier), self._places.get(later)
+        return a is not None and b is not None and b.driven_m - a.driven_m >= 2.0 * self._config.reach_m
 
     def surroundings(self, vertex: int) -> Cloud:
         """Return the surface points seen shortly before and after a vertex was made, in its frame."""
@@ -160,7 +185,7 @@ def _same_tag(earlier_from_later: GaussianPose, earlier: Sighting, later: Sighti
     return bool(gap @ np.linalg.solve(spread, gap) < _SAME_PLACE)
 
 
-def agrees(relative: GaussianPose, match: GaussianPose) -> bool:
+def _agrees(relative: GaussianPose, match: GaussianPose) -> bool:
     """Say whether a match may be, given the pose of one vertex in the frame of the other in the graph."""
     error = match.mean.as_array() - relative.mean.as_array()
     error[2] = wrap(error[2])

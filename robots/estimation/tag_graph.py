@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from robots.config import AgentConfig
+from robots.config import AgentConfig, GraphConfig
 from robots.estimation.graph import GraphProblem, GraphSolution, solve
 from robots.se2 import Array, GaussianPose, Pose2
 from robots.types import GraphReport
@@ -58,18 +58,20 @@ class TagGraph:
         return self.newest
 
     def add_sighting(self, tag_id: str, place_m: tuple[float, float], covariance: Array) -> bool:
-        """Note a tag at a place in the newest pose's frame, covariance (2, 2); say whether the tag is new.
+        """Note a tag at a place in the newest pose's frame, covariance (2, 2).
 
-        Several sightings of a tag from one pose share their errors: their mean counts as one.
+        Say whether that is news of a tag that was known before. Several sightings of a tag from one pose
+        share their errors: their mean counts as one.
         """
         new = tag_id not in self.tags
         if new:
             self.tags[tag_id] = (len(self.tags), self.poses[-1].transform_point(*place_m))
         pair = (self.newest, self.tags[tag_id][0])
+        news = not new and pair not in self._sightings
         count, mean, spread = self._sightings.get(pair, (0, np.zeros(2), covariance))
         mean = mean + (np.array(place_m) - mean) / (count + 1)
         self._sightings[pair] = (count + 1, mean, spread)
-        return new
+        return news
 
     def add_loop(self, earlier: int, later: int, earlier_from_later: GaussianPose) -> None:
         """Note that the laser matched two poses."""
@@ -87,32 +89,14 @@ class TagGraph:
         self.tags = {tag_id: (index, places[index]) for tag_id, (index, _) in self.tags.items()}
         self.last_covariance = solution.pose_covariance(self.newest)
 
-    def _solve(self) -> GraphSolution:
-        config = self._config.graph
-        return solve(self.problem(), config.method, config.max_iterations, config.tag_kernel_sd)
+    def relative(self, first: int, second: int) -> GaussianPose:
+        """Return pose ``second`` in the frame of pose ``first`` as everything measured so far has it."""
+        solution = self._solve()
+        a, b = (Pose2.from_array(solution.poses[index]) for index in (first, second))
+        return GaussianPose(a.between(b), solution.marginals.relative(first, second))
 
-    def problem(self) -> GraphProblem:
-        """Return the arrays of the graph, held in place at its start."""
-        report = self.report()
-        edges = len(report.edge_pairs)
-        known = np.flatnonzero(np.isfinite(report.yaws_rad))
-        return GraphProblem(
-            poses=report.poses,
-            tags=report.tags,
-            edge_pairs=np.concatenate([report.edge_pairs, report.loop_pairs]),
-            edge_poses=np.concatenate([report.edge_poses, report.loop_poses]),
-            edge_covariances=np.concatenate([report.edge_covariances, report.loop_covariances]),
-            edge_robust=np.arange(edges + len(report.loop_pairs)) >= edges,
-            sighting_pairs=report.sighting_pairs,
-            sighting_offsets=report.sighting_offsets,
-            sighting_covariances=report.sighting_covariances,
-            prior_index=np.zeros(1, np.int64),
-            prior_poses=report.poses[:1],
-            prior_sds=np.full((1, 3), _START_SD),
-            heading_index=known,
-            heading_rad=report.yaws_rad[known],
-            heading_sd_rad=np.full(len(known), _BEND_SD_RAD),
-        )
+    def _solve(self) -> GraphSolution:
+        return solve_report(self.report(), self._config.graph)
 
     def report(self) -> GraphReport:
         """Return the graph as it leaves the process."""
@@ -139,3 +123,35 @@ class TagGraph:
             meeting_offsets=np.array([place for _, _, _, place, _ in self._meetings]).reshape(-1, 2),
             meeting_covariances=np.array([spread for _, _, _, _, spread in self._meetings]).reshape(-1, 2, 2),
         )
+
+
+def solve_report(report: GraphReport, config: GraphConfig) -> GraphSolution:
+    """Solve one robot's graph, held in place at its start (eq. 5).
+
+    Raises:
+        GraphError: it cannot be solved; the message says why.
+    """
+    return solve(graph_problem(report), config.method, config.max_iterations, config.tag_kernel_sd)
+
+
+def graph_problem(report: GraphReport) -> GraphProblem:
+    """Return the arrays of one robot's graph, held in place at its start."""
+    edges = len(report.edge_pairs)
+    known = np.flatnonzero(np.isfinite(report.yaws_rad))
+    return GraphProblem(
+        poses=report.poses,
+        tags=report.tags,
+        edge_pairs=np.concatenate([report.edge_pairs, report.loop_pairs]),
+        edge_poses=np.concatenate([report.edge_poses, report.loop_poses]),
+        edge_covariances=np.concatenate([report.edge_covariances, report.loop_covariances]),
+        edge_robust=np.arange(edges + len(report.loop_pairs)) >= edges,
+        sighting_pairs=report.sighting_pairs,
+        sighting_offsets=report.sighting_offsets,
+        sighting_covariances=report.sighting_covariances,
+        prior_index=np.zeros(1, np.int64),
+        prior_poses=report.poses[:1],
+        prior_sds=np.full((1, 3), _START_SD),
+        heading_index=known,
+        heading_rad=report.yaws_rad[known],
+        heading_sd_rad=np.full(len(known), _BEND_SD_RAD),
+    )

@@ -14,6 +14,7 @@ import numpy as np
 
 from robots.config import AgentConfig
 from robots.estimation.loop_closing import LoopCloser, Sighting
+from robots.estimation.smoothing import smooth
 from robots.estimation.tag_graph import TagGraph
 from robots.estimation.tracking import PoseTracker
 from robots.se2 import Array, GaussianPose, Pose2
@@ -104,6 +105,10 @@ class TagSlam:
         """Return the graph as it leaves the process."""
         return self._graph.report()
 
+    def smoothed(self) -> GraphReport:
+        """Return the graph as a batch solve of all that was recorded has it; nothing changes here."""
+        return smooth(self._graph.report(), self._loops, self._config)
+
     def predict(self, observation: Observation, moved: bool, slipping: bool) -> None:
         """Move by wheels and inertial unit (eq. 1 and 2).
 
@@ -169,12 +174,12 @@ class TagSlam:
             self._loops.anchored(vertex, self.local_from_base, self.distance_m)
 
     def _see(self, tag_id: str, place_m: tuple[float, float], covariance: Array) -> bool:
-        """Note a sighting, given in the newest anchor's frame; say whether the tag was known before."""
-        new = self._graph.add_sighting(tag_id, place_m, covariance)
+        """Note a sighting, given in the newest anchor's frame; say whether it is news of a known tag."""
+        news = self._graph.add_sighting(tag_id, place_m, covariance)
         if self._closes_loops:
             tag = self._graph.tags[tag_id][0]
             self._loops.sighted(Sighting(self.anchor, tag, place_m, covariance, self.distance_m))
-        return not new
+        return news
 
     def _from_afar(self, seen: TagSighting | RobotSighting) -> tuple[tuple[float, float], Array]:
         """Return what was seen by range and bearing as a place in the newest anchor's frame."""
@@ -191,7 +196,7 @@ class TagSlam:
     def _close_loop(self) -> bool:
         if not self._closes_loops:
             return False
-        loop = self._loops.close(self.distance_m, self._graph.poses)
+        loop = self._loops.close(self.distance_m, self._graph.poses, self._graph.relative)
         if loop is None:
             return False
         self._graph.add_loop(loop.earlier, loop.later, loop.earlier_from_later)

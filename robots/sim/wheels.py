@@ -122,10 +122,13 @@ _WHITE_SD_RAD = radians(0.2)
 class Imu:
     """An inertial unit: yaw with a slow bounded bias (Ornstein-Uhlenbeck) and white noise, roll, pitch.
 
-    Without a world the floor is level.
+    Without a world the floor is level. ``off_rad``: by which its north lies beside the true one, always.
     """
 
-    def __init__(self, world: World | None, exact: bool, rng: np.random.Generator) -> None:
+    def __init__(
+        self, world: World | None, exact: bool, rng: np.random.Generator, off_rad: float = 0.0
+    ) -> None:
+        self.off_rad = off_rad
         self._world = world
         self._scale = 0.0 if exact else 1.0
         self._rng = rng
@@ -138,7 +141,7 @@ class Imu:
         white = self._scale * _WHITE_SD_RAD
         roll, pitch = self._tilt(x_m, y_m, theta_rad)
         return ImuReading(
-            wrap(theta_rad + self._scale * self._bias_rad + white * float(z[1])),
+            wrap(theta_rad + self.off_rad + self._scale * self._bias_rad + white * float(z[1])),
             roll + white * float(z[2]),
             pitch + white * float(z[3]),
         )
@@ -149,7 +152,9 @@ class Imu:
         biases = np.empty(len(z))
         for k, draw in enumerate(z[:, 0].tolist()):
             biases[k] = self._bias_rad = self._next_bias(draw, dt_s)
-        return wrap_array(thetas_rad + self._scale * biases + self._scale * _WHITE_SD_RAD * z[:, 1])
+        return wrap_array(
+            thetas_rad + self.off_rad + self._scale * biases + self._scale * _WHITE_SD_RAD * z[:, 1]
+        )
 
     def _next_bias(self, draw: float, dt_s: float) -> float:
         keep = exp(-dt_s / _BIAS_TIME_S)

@@ -43,6 +43,7 @@ class AgentServant:
         if kind is Kind.BEGIN:
             robot_id, config = parts
             self._agent = self._module.RobotAgent(robot_id.decode(), codec.decode(config, AgentConfig))
+            self._agent.updates_digest = codec.CHAIN_START
             return []
         if kind is Kind.RESTORE:
             self._agent = self._module.RobotAgent.restore(parts[0])
@@ -58,9 +59,12 @@ class AgentServant:
 
     def _handle(self, body: bytes) -> bytes:
         try:
-            return TAKEN + codec.encode(self._agent.step(codec.decode(body, Observation)))
+            update = codec.encode(self._agent.step(codec.decode(body, Observation)))
         except self._module.ObservationError as error:  # the agent is unchanged
             return REFUSED + str(error).encode()
+        if self._agent.updates_digest:  # none in a snapshot from before there were digests
+            self._agent.updates_digest = codec.chained(self._agent.updates_digest, update)
+        return TAKEN + update
 
 
 class TeamServant:

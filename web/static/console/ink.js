@@ -7,6 +7,7 @@ import { ellipse } from "./format.js";
 /** @import {View} from "./canvas_layer.js" */
 
 const TAG = "#fff3c4";
+const DOUBTED = "#ff8a4c";
 const HALO = "rgba(7, 11, 17, 0.85)";
 const LABEL_FROM_PX_PER_M = 16;
 const GRID_STEPS_M = [1, 5, 10, 50, 100, 500];
@@ -126,6 +127,44 @@ function drawPlan(ctx, view, store) {
   }
 }
 
+/** @param {import("./types.js").Tag} tag */
+function isDoubted(tag) {
+  return (tag.state ?? "sound") !== "sound";
+}
+
+/**
+ * Tags that are not where all readings put them: hollow, dashed and larger, so that no colour is needed to tell.
+ *
+ * @param {CanvasRenderingContext2D} ctx
+ * @param {{x: number, y: number}[]} drawn
+ * @param {number} radius
+ */
+function drawDoubtedTags(ctx, drawn, radius) {
+  ctx.beginPath();
+  for (const { x, y } of drawn) diamond(ctx, x, y, radius);
+  ctx.lineWidth = 4;
+  ctx.stroke();
+  ctx.strokeStyle = DOUBTED;
+  ctx.lineWidth = 1.5;
+  ctx.setLineDash([3, 2]);
+  ctx.stroke();
+  ctx.setLineDash([]);
+}
+
+/**
+ * @param {CanvasRenderingContext2D} ctx
+ * @param {number} x
+ * @param {number} y
+ * @param {number} radius
+ */
+function diamond(ctx, x, y, radius) {
+  ctx.moveTo(x, y - radius);
+  ctx.lineTo(x + radius, y);
+  ctx.lineTo(x, y + radius);
+  ctx.lineTo(x - radius, y);
+  ctx.closePath();
+}
+
 /**
  * @param {CanvasRenderingContext2D} ctx
  * @param {View} view
@@ -150,15 +189,10 @@ function drawTags(ctx, view, store) {
   ctx.strokeStyle = HALO;
   ctx.lineWidth = 2;
   ctx.beginPath();
-  for (const { x, y } of drawn) {
-    ctx.moveTo(x, y - radius);
-    ctx.lineTo(x + radius, y);
-    ctx.lineTo(x, y + radius);
-    ctx.lineTo(x - radius, y);
-    ctx.closePath();
-  }
+  for (const { tag, x, y } of drawn) if (!isDoubted(tag)) diamond(ctx, x, y, radius);
   ctx.stroke();
   ctx.fill();
+  drawDoubtedTags(ctx, drawn.filter(({ tag }) => isDoubted(tag)), radius + 1.5);
   if (isClose) drawTagLabels(ctx, drawn, radius);
 }
 
@@ -196,11 +230,12 @@ function drawTagLabels(ctx, drawn, radius) {
   const placed = /** @type {[number, number, number][]} */ ([]);
   for (const { tag, x, y } of drawn) {
     const left = x + radius + 4;
-    const width = ctx.measureText(tag.tag_id).width;
+    const text = isDoubted(tag) ? `${tag.tag_id} ${tag.state}` : tag.tag_id;
+    const width = ctx.measureText(text).width;
     if (placed.some(([l, t, w]) => Math.abs(t - y) < 13 && left < l + w + 6 && l < left + width + 6)) continue;
     placed.push([left, y, width]);
-    ctx.strokeText(tag.tag_id, left, y);
-    ctx.fillText(tag.tag_id, left, y);
+    ctx.strokeText(text, left, y);
+    ctx.fillText(text, left, y);
   }
 }
 

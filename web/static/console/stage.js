@@ -33,8 +33,19 @@ export function PlanTools({ store, plan }) {
       <${ScaleBar} scale=${plan.scale()} />
       ${plan.cursor && html`<span class="cursor">x ${fixed(plan.cursor.x_m, 2)}  y ${fixed(plan.cursor.y_m, 2)} m
         ${plan.cursor.tag && html`<b>${plan.cursor.tag}</b>`}</span>`}
+      ${noticeAt(plan, store) && html`<span class="tag-notice">${noticeAt(plan, store)}</span>`}
     </div>
     <${PlanWords} store=${store} />`;
+}
+
+/**
+ * What is wrong with the tag under the cursor, if anything.
+ *
+ * @param {Plan} plan
+ * @param {Store} store
+ */
+function noticeAt(plan, store) {
+  return (plan.cursor?.tag && store.tags.get(plan.cursor.tag)?.notice) || "";
 }
 
 /** A bar of 1, 2 or 5 times a power of ten metres. @param {{scale: number}} props */

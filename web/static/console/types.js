@@ -10,7 +10,7 @@
  *   speed_mps: number | null}} Robot
  * @typedef {{robot_id: string, points_m: [number, number][]}} Trail
  * @typedef {{tag_id: string, x_m: number, y_m: number, covariance: number[], sightings: number,
- *   robots: string[]}} Tag
+ *   robots: string[], state?: "sound" | "moved" | "cloned" | "doubtful", notice?: string}} Tag
  * @typedef {{victim_id: string, x_m: number, y_m: number, covariance: number[], confidence: number, status: string,
  *   sightings: number, robots: string[], note?: string | null}} Victim
  * @typedef {{annotation_id?: string, kind: string, text: string, x_m?: number | null, y_m?: number | null,
