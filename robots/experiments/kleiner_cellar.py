@@ -8,14 +8,13 @@ does.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
-from robots.config import AgentConfig, ConfigError, override
-from robots.datasets.intel import IntelRecording, load
+from robots.datasets.intel import load
+from robots.datasets.laser import LaserRecording
 from robots.datasets.recording import RecordingError
 from robots.datasets.replay import replay
 from robots.datasets.virtual_tags import VirtualTags, place_tags
@@ -49,8 +48,12 @@ def measure(options: Options, spacings_m: tuple[float | None, ...] = SPACINGS_M)
     """
     folder = _folder(options.data)
     recording, relations = _read(folder)
-    switches = (False, True) if _has_laser_loops() else (True,)
-    settings = [(spacing, laser) for laser in switches for spacing in spacings_m]
+    settings = [
+        (spacing, laser)
+        for laser in (False, True)
+        for spacing in spacings_m
+        if spacing is not None or not laser  # loops are closed at tags
+    ]
     work = [
         _Replay(folder, spacing, laser, options.seed, run)
         for spacing, laser in settings
@@ -72,26 +75,11 @@ def _folder(data: Path | None) -> Path:
     return data
 
 
-def _read(folder: Path) -> tuple[IntelRecording, Array]:
+def _read(folder: Path) -> tuple[LaserRecording, Array]:
     try:
         return load(folder / RECORDING), read_relations(folder / RELATIONS)
     except (RecordingError, EvaluationError) as error:
         raise ExperimentError(str(error)) from error
-
-
-def _has_laser_loops() -> bool:
-    """Say whether this agent can close loops by laser at all; else nothing is there to switch off."""
-    try:
-        override(AgentConfig(), _NO_LASER_LOOPS)
-    except ConfigError:
-        return False
-    return True
-
-
-class _WithoutLaserLoops(IntelRecording):
-    @property
-    def settings(self) -> dict[str, Any]:
-        return super().settings | _NO_LASER_LOOPS
 
 
 def _replay(item: _Replay) -> dict[str, float]:
@@ -100,13 +88,8 @@ def _replay(item: _Replay) -> dict[str, float]:
         path = recording.reference[:, :2]
         first = _first(len(path), item.seed, item.run)
         recording = replace(recording, tags=placed_from(path, item.spacing_m, first))
-    if not item.laser_loops:
-        given = {each.name: getattr(recording, each.name) for each in fields(recording)}
-        recording = _WithoutLaserLoops(**given)
-    result = replay(recording)
+    result = replay(recording, changes=None if item.laser_loops else _NO_LASER_LOOPS)
     (robot,) = result.robots
-    truth = recording.truth(robot.robot_id)
-    assert truth is not None
     return {
         "tags": float(len(recording.tags.places_m)),
         "sightings": float(robot.sightings),
@@ -126,7 +109,7 @@ def placed_from(path_m: Array, spacing_m: float, first: int) -> VirtualTags:
     return VirtualTags(tags.places_m, {(frame + first) % n: seen for frame, seen in tags.sighted.items()})
 
 
-def _raw(recording: IntelRecording) -> Trajectory:
+def _raw(recording: LaserRecording) -> Trajectory:
     """Return the trajectory by the wheels alone."""
     pose, poses = Pose2(), []
     for row in recording.displacements:

@@ -19,7 +19,7 @@ import numpy as np
 
 from robots.config import AgentConfig
 from robots.estimation.graph import solve
-from robots.estimation.tag_graph import TagGraph
+from robots.estimation.tag_graph import TagGraph, graph_problem
 from robots.experiments.buildings import GENERATED, Building, explore_all, plans, stage
 from robots.experiments.course import Course
 from robots.experiments.errors import NAMES, Judged, judge
@@ -139,7 +139,7 @@ def _level(drive: _Drive, level: int) -> _Outcome:
 def _corrected(course: Course, reckoned: Reckoned, graph: TagGraph, method: Method) -> Judged:
     if not method.imu:
         graph = reckoned.graph(online=True)
-    solution = solve(graph.problem(), "linear" if method == LINEAR else "gauss-newton")
+    solution = solve(graph_problem(graph.report()), "linear" if method == LINEAR else "gauss-newton")
     report = replace(graph.report(), poses=solution.poses, tags=solution.tags)
     final = final_trajectory(reckoned.steps, report.poses, edges_of(report))
     return _judged(course, reckoned, final.poses, report)

@@ -33,10 +33,6 @@ def test_tags_are_sighted_where_they_lie_whatever_frame_the_first_is_at():
         assert sum(len(numbers) for numbers in tags.sighted.values()) > len(tags.places_m)
 
 
-def test_the_agent_can_be_told_to_leave_laser_loops(tmp_path):
-    assert kleiner_cellar._has_laser_loops()
-
-
 def test_the_plot_is_drawn(tmp_path):
     measured = {"online_relations_m": 0.12, "final_relations_m": 0.1, "tags": 65.0, "sightings": 110.0}
     rows = [
