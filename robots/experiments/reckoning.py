@@ -67,8 +67,8 @@ class Reckoned:
         graph = TagGraph(self.config, self.start, self.steps[0].stamp_s, self.start_yaw_rad)
         for leg in self.legs:
             graph.add_pose(leg.displacement, leg.stamp_s, leg.yaw_rad)
-            known = [graph.add_sighting(str(tag), (antenna.ahead_m, 0.0), spread) for tag in leg.tags]
-            if online and any(known):
+            news = [graph.add_sighting(str(tag), (antenna.ahead_m, 0.0), spread) for tag in leg.tags]
+            if online and any(news):
                 graph.solve()
         return graph
 

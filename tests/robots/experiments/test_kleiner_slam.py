@@ -65,17 +65,12 @@ def test_progress_comes_to_its_end():
     assert seen == sorted(seen)
 
 
-@pytest.mark.parametrize("suffix", [".png", ".pdf", ".svg"])
-def test_the_plot_is_drawn(rows, tmp_path, suffix):
-    path = tmp_path / f"plot{suffix}"
+def test_the_plot_is_drawn(rows, tmp_path):
+    path = tmp_path / "plot.png"
     kleiner_slam.EXPERIMENT.plot(rows, path)
-    assert path.stat().st_size > 5_000
-    start = {".png": b"\x89PNG", ".pdf": b"%PDF", ".svg": b"<?xml"}[suffix]
-    assert path.read_bytes().startswith(start)
-    if suffix == ".png":
-        with Image.open(path) as image:
-            assert image.width > 600
-            assert len(np.unique(np.asarray(image.convert("RGB")).reshape(-1, 3), axis=0)) > 20
+    with Image.open(path) as image:
+        assert image.width > 600
+        assert len(np.unique(np.asarray(image.convert("RGB")).reshape(-1, 3), axis=0)) > 20
 
 
 def test_the_truth_is_judged_as_such(course):

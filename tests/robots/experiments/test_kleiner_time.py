@@ -35,8 +35,21 @@ def test_ours_stands_beside_the_papers(rows):
         assert column.value in rows[0]
 
 
-def test_the_plot_is_drawn(rows, tmp_path):
-    path = tmp_path / "time.png"
+@pytest.mark.parametrize(
+    ("suffix", "start"), [(".png", b"\x89PNG"), (".pdf", b"%PDF"), (".svg", b"<?xml"), (".PNG", b"\x89PNG")]
+)
+def test_the_plot_is_drawn_in_the_format_its_name_says(rows, tmp_path, suffix, start):
+    path = tmp_path / f"time{suffix}"
     kleiner_time.EXPERIMENT.plot(rows, path)
-    with Image.open(path) as image:
-        assert len(np.unique(np.asarray(image.convert("RGB")).reshape(-1, 3), axis=0)) > 20
+    assert path.stat().st_size > 5_000
+    assert path.read_bytes().startswith(start)
+    if start == b"\x89PNG":
+        with Image.open(path) as image:
+            assert len(np.unique(np.asarray(image.convert("RGB")).reshape(-1, 3), axis=0)) > 20
+
+
+def test_the_same_rows_give_the_same_file(rows, tmp_path):
+    for suffix in (".png", ".svg", ".pdf"):
+        for name in ("a", "b"):
+            kleiner_time.EXPERIMENT.plot(rows, tmp_path / f"{name}{suffix}")
+        assert (tmp_path / f"a{suffix}").read_bytes() == (tmp_path / f"b{suffix}").read_bytes()
