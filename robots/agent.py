@@ -37,6 +37,8 @@ class RobotAgent:
         ConfigError: a setting of ``config`` names something that does not exist.
     """
 
+    updates_digest = b""  # chain of all updates so far, where whoever encodes them keeps one
+
     def __init__(self, robot_id: str, config: AgentConfig) -> None:
         self.robot_id = robot_id
         self.config = config

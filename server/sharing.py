@@ -70,15 +70,21 @@ def event_value(event: EventRecord) -> dict[str, Any]:
     return {name: getattr(event, name) for name in EventRecord.__slots__}
 
 
-def map_value(mission_id: str, image: MapImage) -> dict[str, Any]:
-    """Return ``map`` of the board."""
+def victim_place_value(victim: TeamVictim) -> dict[str, Any]:
+    """Return where a victim is, without what people said about it."""
+    place = _place(victim.x_m, victim.y_m, victim.covariance)
+    return {"victim_id": victim.victim_id, **_place_value(place)}
+
+
+def map_value(mission_id: str, image: MapImage, png: str = "map.png") -> dict[str, Any]:
+    """Return ``map`` of the board; ``png`` is the last part of the picture's address."""
     return {
         "version": image.version,
         "width": image.width,
         "height": image.height,
         "resolution_m": image.resolution_m,
         "origin_m": list(image.origin_m),
-        "png": f"/api/v1/missions/{mission_id}/map.png?version={image.version}",
+        "png": f"/api/v1/missions/{mission_id}/{png}?version={image.version}",
     }
 
 

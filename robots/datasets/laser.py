@@ -71,6 +71,10 @@ class LaserRecording:
         known = np.isfinite(self.reference).all(axis=1)
         return Trajectory(self.own_stamps_s[known], self.reference[known]) if known.any() else None
 
+    def tag_places(self) -> dict[str, tuple[float, float]]:
+        """Return where the virtual tags were placed."""
+        return {str(k + 1): (float(x), float(y)) for k, (x, y) in enumerate(self.tags.places_m)}
+
     def observations(self, robot_id: str) -> Iterator[Observation]:
         """Yield one observation a frame: displacement, scan, and the ids of virtual tags driven over."""
         clock = np.maximum.accumulate(self.own_stamps_s)

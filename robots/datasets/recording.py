@@ -54,6 +54,9 @@ class Recording(Protocol):
     def truth(self, robot_id: str) -> Trajectory | None:
         """Return where the robot really was, where someone knows."""
 
+    def tag_places(self) -> dict[str, tuple[float, float]]:
+        """Return where tags really are, where someone knows, in the truth's frame."""
+
     @property
     def truth_gap_s(self) -> float:
         """Poses of the truth further apart than this are not interpolated between."""

@@ -7,13 +7,13 @@ from math import atan2, cos, floor, hypot, inf, pi, sin
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
-from robots.estimation.local_map import CELL_M, fill
+from robots.estimation.nearest import CELL_M, MAX_POINTS, MAX_REACH_CELLS, NOTHING, Index, nearest, stamp
 from robots.se2 import Array
 
 _BEARINGS = 360  # of the free space seen round the anchor
 _ITERATIONS = 20
+_KEEP_APART_M = 0.04  # a point this near to another one adds nothing
 _INLIER_M = 0.12
 _EXPLAINED_M = 0.15
 _CLEAR_M = 0.3  # so far in front of what is seen, a point that is not explained contradicts
@@ -30,7 +30,7 @@ class Surface:
 
     points: Array
     normals: Array
-    index: NDArray[np.int32]
+    index: Index
     origin: Array
     sight_m: Array
 
@@ -39,13 +39,33 @@ def surface(points: Array, normals: Array) -> Surface:
     """Return the surface of points and normals, (n, 2)."""
     if not len(points):
         return Surface(points, normals, np.zeros((0, 0), np.int32), np.zeros(2), np.zeros(_BEARINGS))
-    low = np.floor((points.min(axis=0) - 0.5) / CELL_M) * CELL_M
-    size = np.ceil((points.max(axis=0) + 0.5 - low) / CELL_M).astype(int)
+    low = np.floor((points.min(axis=0) - 0.6) / CELL_M) * CELL_M
+    size = np.ceil((points.max(axis=0) + 0.6 - low) / CELL_M).astype(int)
     index = np.empty((size[1], size[0]), np.int32)
     points, normals = points.copy(), normals.copy()
-    kept = fill(points, normals, low, index)
+    kept = _thin(points, normals, low, index)
     points, normals = points[:kept].copy(), normals[:kept].copy()
     return Surface(points, normals, index, low, _sight(points))
+
+
+@njit(cache=True)
+def _thin(points: Array, normals: Array, origin: Array, index: Index) -> int:
+    """Thin the points in place, fill the index and return how many points were kept."""
+    index[:, :] = NOTHING
+    kept = 0
+    for i in range(points.shape[0]):
+        x, y, nx, ny = points[i, 0], points[i, 1], normals[i, 0], normals[i, 1]
+        j = nearest(x, y, index, origin)
+        if j >= 0:
+            dx, dy = points[j, 0] - x, points[j, 1] - y
+            same_side = nx * normals[j, 0] + ny * normals[j, 1] > 0.7 or (nx == 0.0 and ny == 0.0)
+            if dx * dx + dy * dy < _KEEP_APART_M * _KEEP_APART_M and same_side:
+                continue
+        if kept < MAX_POINTS and stamp(index, origin, kept, x, y, MAX_REACH_CELLS):
+            points[kept, 0], points[kept, 1] = x, y
+            normals[kept, 0], normals[kept, 1] = nx, ny
+            kept += 1
+    return kept
 
 
 @njit(cache=True)
@@ -82,7 +102,7 @@ def _explained(
     normals: Array,
     map_points: Array,
     map_normals: Array,
-    index: NDArray[np.int32],
+    index: Index,
     origin: Array,
     sight: Array,
 ) -> tuple[int, int]:
@@ -91,7 +111,7 @@ def _explained(
     for i in range(points.shape[0]):
         x = pose[0] + c * points[i, 0] - s * points[i, 1]
         y = pose[1] + s * points[i, 0] + c * points[i, 1]
-        k = _nearest(x, y, index, origin)
+        k = nearest(x, y, index, origin)
         if k >= 0 and hypot(x - map_points[k, 0], y - map_points[k, 1]) < _EXPLAINED_M:
             mx, my = c * normals[i, 0] - s * normals[i, 1], s * normals[i, 0] + c * normals[i, 1]
             unknown = (mx == 0.0 and my == 0.0) or (map_normals[k, 0] == 0.0 and map_normals[k, 1] == 0.0)
@@ -102,15 +122,6 @@ def _explained(
         if hypot(x, y) < sight[bearing] - _CLEAR_M:
             off += 1
     return on, off
-
-
-@njit(cache=True)
-def _nearest(x: float, y: float, index: NDArray[np.int32], origin: Array) -> int:
-    column = floor((x - origin[0]) / CELL_M)
-    row = floor((y - origin[1]) / CELL_M)
-    if row < 0 or column < 0 or row >= index.shape[0] or column >= index.shape[1]:
-        return -1
-    return int(index[row, column])
 
 
 def align(start: Array, target: Surface, source: Surface) -> tuple[Array, Array, int, float]:
@@ -130,11 +141,11 @@ def _align(
     start: Array,
     t_points: Array,
     t_normals: Array,
-    t_index: NDArray[np.int32],
+    t_index: Index,
     t_origin: Array,
     s_points: Array,
     s_normals: Array,
-    s_index: NDArray[np.int32],
+    s_index: Index,
     s_origin: Array,
 ) -> tuple[Array, Array, int, float]:
     pose = start.copy()
@@ -158,7 +169,7 @@ def _align(
                 if way == 0:  # into the target's frame
                     rx, ry = c * px - s * py, s * px + c * py
                     x, y = pose[0] + rx, pose[1] + ry
-                    k = _nearest(x, y, t_index, t_origin)
+                    k = nearest(x, y, t_index, t_origin)
                     if k < 0:
                         continue
                     dx, dy = x - t_points[k, 0], y - t_points[k, 1]
@@ -167,7 +178,7 @@ def _align(
                 else:  # into the source's frame
                     ux, uy = px - pose[0], py - pose[1]
                     x, y = c * ux + s * uy, -s * ux + c * uy
-                    k = _nearest(x, y, s_index, s_origin)
+                    k = nearest(x, y, s_index, s_origin)
                     if k < 0:
                         continue
                     dx, dy = x - s_points[k, 0], y - s_points[k, 1]

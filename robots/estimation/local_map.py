@@ -7,97 +7,139 @@ with its normal, so the alignment is continuous and not bound to the cell size.
 
 from __future__ import annotations
 
-from collections import deque
-from math import floor
+from math import floor, sqrt
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from robots.estimation.nearest import CELL_M, MAX_POINTS, MAX_REACH_CELLS, NOTHING, Index, nearest, stamp
 from robots.se2 import Array, Pose2
 
-CELL_M = 0.1
-REACH_CELLS = 4  # a cell knows points up to this many cells away: the catchment of the matcher is 0.4 m
-_KEEP_APART_M = 0.04  # a point this near to an older one of the map adds nothing
+_KEEP_APART_M = 0.04  # a point this near to one of the map is that one, seen again
+_SWEEP_EVERY = 5  # insertions between two removals of what was not seen for long
+_MOST_SIGHTINGS = 10  # a point is the mean of so many at most: the map stays able to follow
 
 
 class LocalMap:
-    """Points and normals of the last ``scans`` inserted scans in the local frame, and the index over them."""
+    """Points and normals the last ``scans`` inserted scans saw in the local frame, and the index over them.
+
+    A point seen again is averaged across its surface. ``points``, ``normals``: (n, 2); ``index``, ``origin``:
+    see ``nearest``.
+    """
 
     def __init__(self, scans: int, half_width_m: float) -> None:
-        self._scans: deque[tuple[Array, Array]] = deque(maxlen=scans)
-        self._half_width_m = half_width_m
-        self.points: Array = np.zeros((0, 2))
-        self.normals: Array = np.zeros((0, 2))
+        self._scans = scans
+        self._cells = 2 * int(np.ceil(half_width_m / CELL_M))
+        self.clear()
+
+    def clear(self) -> None:
+        """Forget everything: the robot was carried elsewhere."""
+        self._inserted = 0
+        self._count = 0
+        self._points: Array = np.empty((MAX_POINTS, 2))
+        self._normals: Array = np.empty((MAX_POINTS, 2))
+        self._seen: NDArray[np.int32] = np.zeros(MAX_POINTS, np.int32)  # number of the last scan that saw it
+        self._sightings: NDArray[np.int32] = np.zeros(MAX_POINTS, np.int32)
         self.origin: Array = np.zeros(2)
-        self.index: NDArray[np.int32] = np.zeros((0, 0), np.int32)
+        self.index: Index = np.zeros((0, 0), np.int32)
 
     def __len__(self) -> int:
-        return len(self._scans)
+        return min(self._inserted, self._scans)
+
+    @property
+    def points(self) -> Array:
+        """Surface points, (n, 2), in the local frame."""
+        return self._points[: self._count]
+
+    @property
+    def normals(self) -> Array:
+        """Normals of the points, (n, 2), zero where unknown."""
+        return self._normals[: self._count]
 
     def insert(self, local_from_base: Pose2, points: Array, normals: Array) -> None:
         """Add a scan, points and normals (n, 2) in the base frame.
 
-        The oldest scan leaves when the map is full.
+        What the last ``scans`` scans have not seen leaves the map within a few insertions.
         """
+        if self._inserted % _SWEEP_EVERY == 0:
+            self._sweep(local_from_base)
+        self._inserted += 1
         rotation = Pose2(0.0, 0.0, local_from_base.theta)
-        self._scans.append((local_from_base.transform(points), rotation.transform(normals)))
-        self._rebuild(local_from_base)
+        self._count = _insert(
+            local_from_base.transform(points), rotation.transform(normals), self._inserted,
+            self._points, self._normals, self._seen, self._sightings, self._count, self.index, self.origin,
+        )  # fmt: skip
 
-    def clear(self) -> None:
-        """Forget everything: the robot was carried elsewhere."""
-        self._scans.clear()
-        self.points = np.zeros((0, 2))
-        self.normals = np.zeros((0, 2))
-        self.index = np.zeros((0, 0), np.int32)
-
-    def _rebuild(self, centre: Pose2) -> None:
-        cells = 2 * int(np.ceil(self._half_width_m / CELL_M))
-        self.origin = np.array(
-            [
-                floor(centre.x / CELL_M) * CELL_M - cells / 2 * CELL_M,
-                floor(centre.y / CELL_M) * CELL_M - cells / 2 * CELL_M,
-            ]
-        )
-        if self.index.shape != (cells, cells):
-            self.index = np.empty((cells, cells), np.int32)
-        points = np.concatenate([points for points, _ in self._scans])
-        normals = np.concatenate([normals for _, normals in self._scans])
-        keep = fill(points, normals, self.origin, self.index)
-        self.points, self.normals = points[:keep].copy(), normals[:keep].copy()
+    def _sweep(self, centre: Pose2) -> None:
+        """Remove what was not seen for long or lies far off, and centre the index here."""
+        if self.index.shape != (self._cells, self._cells):
+            self.index = np.empty((self._cells, self._cells), np.int32)
+        half = self._cells // 2
+        self.origin = np.array([(floor(v / CELL_M) - half) * CELL_M for v in (centre.x, centre.y)])
+        oldest = self._inserted - self._scans + 1
+        self._count = _sweep(
+            self._points, self._normals, self._seen, self._sightings, self._count,
+            oldest, self.index, self.origin,
+        )  # fmt: skip
 
 
 @njit(cache=True)
-def fill(points: Array, normals: Array, origin: Array, index: NDArray[np.int32]) -> int:
-    """Thin the points in place, fill the nearest-point index and return how many points were kept."""
-    rows, columns = index.shape
-    index[:, :] = -1
+def _sweep(
+    points: Array,
+    normals: Array,
+    seen: NDArray[np.int32],
+    sightings: NDArray[np.int32],
+    count: int,
+    oldest: int,
+    index: Index,
+    origin: Array,
+) -> int:
+    index[:, :] = NOTHING
     kept = 0
-    for i in range(points.shape[0]):
-        x, y = points[i, 0], points[i, 1]
-        nx, ny = normals[i, 0], normals[i, 1]
-        column = floor((x - origin[0]) / CELL_M)
-        row = floor((y - origin[1]) / CELL_M)
-        if row < 0 or column < 0 or row >= rows or column >= columns:
-            continue
-        j = index[row, column]
-        if j >= 0:
-            dx, dy = points[j, 0] - x, points[j, 1] - y
-            same_side = nx * normals[j, 0] + ny * normals[j, 1] > 0.7 or (nx == 0.0 and ny == 0.0)
-            if dx * dx + dy * dy < _KEEP_APART_M * _KEEP_APART_M and same_side:
-                continue
-        points[kept, 0], points[kept, 1] = x, y
-        normals[kept, 0], normals[kept, 1] = nx, ny
-        for r in range(max(0, row - REACH_CELLS), min(rows, row + REACH_CELLS + 1)):
-            for c in range(max(0, column - REACH_CELLS), min(columns, column + REACH_CELLS + 1)):
-                k = index[r, c]
-                if k < 0:
-                    index[r, c] = kept
-                    continue
-                cx, cy = origin[0] + (c + 0.5) * CELL_M, origin[1] + (r + 0.5) * CELL_M
-                ax, ay = points[k, 0] - cx, points[k, 1] - cy
-                bx, by = x - cx, y - cy
-                if bx * bx + by * by < ax * ax + ay * ay:
-                    index[r, c] = kept
-        kept += 1
+    for i in range(count):
+        if seen[i] > oldest and stamp(index, origin, kept, points[i, 0], points[i, 1], MAX_REACH_CELLS):
+            points[kept], normals[kept] = points[i], normals[i]
+            seen[kept], sightings[kept] = seen[i], sightings[i]
+            kept += 1
     return kept
+
+
+@njit(cache=True)
+def _insert(
+    new_points: Array,
+    new_normals: Array,
+    now: int,
+    points: Array,
+    normals: Array,
+    seen: NDArray[np.int32],
+    sightings: NDArray[np.int32],
+    count: int,
+    index: Index,
+    origin: Array,
+) -> int:
+    for i in range(new_points.shape[0]):
+        x, y = new_points[i, 0], new_points[i, 1]
+        nx, ny = new_normals[i, 0], new_normals[i, 1]
+        known = nx != 0.0 or ny != 0.0
+        j = nearest(x, y, index, origin)
+        if j >= 0:
+            dx, dy = x - points[j, 0], y - points[j, 1]
+            mx, my = normals[j, 0], normals[j, 1]
+            if dx * dx + dy * dy < _KEEP_APART_M * _KEEP_APART_M and (not known or nx * mx + ny * my > 0.7):
+                if known and seen[j] < now:  # once a scan
+                    sightings[j] = min(sightings[j] + 1, _MOST_SIGHTINGS)
+                    across = (dx * mx + dy * my) / sightings[j]
+                    points[j, 0] += across * mx
+                    points[j, 1] += across * my
+                    mx += (nx - mx) / sightings[j]
+                    my += (ny - my) / sightings[j]
+                    size = sqrt(mx * mx + my * my)
+                    normals[j, 0], normals[j, 1] = mx / size, my / size
+                seen[j] = now
+                continue
+        if count < points.shape[0] and stamp(index, origin, count, x, y, MAX_REACH_CELLS):
+            points[count], normals[count] = new_points[i], new_normals[i]
+            seen[count], sightings[count] = now, 1
+            count += 1
+    return count

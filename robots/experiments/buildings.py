@@ -45,7 +45,7 @@ def plans(data: Path | None) -> tuple[Building, ...]:
         path = None if folder is None else folder / f"{stem}.yaml"
         if path is None or not path.is_file():
             raise ExperimentError(
-                f"the plan {stem}.yaml is missing in {folder}; give --data DIR with maps/ in it"
+                f"the plan {stem}.yaml is not in {folder}; give a --data DIR that has maps/"
             )
         found.append(Building(name, area_m2, str(path)))
     return tuple(found)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from robots.agent import RobotAgent
 from robots.config import AgentConfig, DeploymentConfig, PlanningConfig
-from robots.se2 import Array, Pose2
+from robots.se2 import Array
 from robots.sim.scenario import ScenarioConfig
 from robots.sim.simulation import Order, Simulation
 from robots.types import Displacement, IntArray, LaserScan, Observation, WheelEncoders

@@ -19,7 +19,7 @@ import numpy as np
 
 from robots.config import AgentConfig
 from robots.estimation.graph import solve
-from robots.estimation.tag_graph import TagGraph
+from robots.estimation.tag_graph import TagGraph, graph_problem
 from robots.experiments.buildings import GENERATED, Building, explore_all, plans, stage
 from robots.experiments.course import Course
 from robots.experiments.errors import NAMES, Judged, judge
@@ -139,7 +139,7 @@ def _level(drive: _Drive, level: int) -> _Outcome:
 def _corrected(course: Course, reckoned: Reckoned, graph: TagGraph, method: Method) -> Judged:
     if not method.imu:
         graph = reckoned.graph(online=True)
-    solution = solve(graph.problem(), "linear" if method == LINEAR else "gauss-newton")
+    solution = solve(graph_problem(graph.report()), "linear" if method == LINEAR else "gauss-newton")
     report = replace(graph.report(), poses=solution.poses, tags=solution.tags)
     final = final_trajectory(reckoned.steps, report.poses, edges_of(report))
     return _judged(course, reckoned, final.poses, report)
@@ -212,10 +212,10 @@ _COLUMNS = (
     Column("paper", "paper_figure"),
 )
 _NOTES = (
-    "Root mean squares after rigid alignment, mean ± deviation over the runs; the JSON has them from the fixed"
-    " start too. 'x smaller' compares with the wheels alone.",
-    "Reckoned: the wheels' distance along the heading named. But for scale: what remains when the scale may be"
-    " chosen; wheels that roll long by a constant share make a map that much too large, and no tag tells.",
+    "Root mean squares after rigid alignment, mean ± deviation over the runs; the JSON has them from the"
+    " fixed start too. 'x smaller' compares with the wheels alone.",
+    "Reckoned: the wheels' distance along the heading named. But for scale: what remains when the scale may"
+    " be chosen. Wheels that roll long by a constant share make a map too large by it, and no tag tells.",
     "The paper prints curves and no numbers (figures named in the last column), so none stand beside ours.",
 )
 

@@ -8,11 +8,9 @@ inertial unit.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import cos, sin, sqrt
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
 from robots.config import AgentConfig
 from robots.estimation.tag_graph import TagGraph
@@ -64,11 +62,13 @@ class Reckoned:
 
     def graph(self, online: bool) -> TagGraph:
         """Return the tag graph, not solved yet; or solved at every tag known by then, as the agent does."""
+        antenna = self.config.antenna
+        spread = np.diag(antenna.variances)
         graph = TagGraph(self.config, self.start, self.steps[0].stamp_s, self.start_yaw_rad)
         for leg in self.legs:
             graph.add_pose(leg.displacement, leg.stamp_s, leg.yaw_rad)
-            new = [graph.add_sighting(str(tag)) for tag in leg.tags]
-            if online and not all(new):
+            known = [graph.add_sighting(str(tag), (antenna.ahead_m, 0.0), spread) for tag in leg.tags]
+            if online and any(known):
                 graph.solve()
         return graph
 

@@ -12,8 +12,10 @@ from server.cli.console import CommandError, print_json, print_table, progress
 from server.cli.options import JsonOption, OutOption, check_writable, finite
 
 if TYPE_CHECKING:
+    from robots.datasets.mission_log import UpdateComparison
     from robots.datasets.recording import Recording
     from robots.datasets.replay import RobotReplay
+    from robots.team import TeamUpdate
     from robots.trajectory import Trajectory
 
 _SLAM = ("tag-graph", "odometry")
@@ -82,6 +84,16 @@ def replay(
         raise CommandError(f"--slam has to be {' or '.join(_SLAM)}, not {slam!r}")
     changes = {} if slam is None else {"slam": slam}
     check_writable(out)
+    if dataset == "g2o":
+        from server.cli.replay_graph import replay_pose_graph
+
+        given = (robots, order, virtual_tags, relations, server, mission)
+        if any(option is not None for option in given):
+            raise CommandError(
+                "a pose graph has no robots and no sensors: it takes --slam, --out and --json alone"
+            )
+        _print(f"g2o {path.name}", replay_pose_graph(path, slam, out), json)
+        return
     try:
         recording = load(dataset, path, virtual_tags)
         chosen = choose_robots(recording.robots, robots, order)
@@ -93,10 +105,14 @@ def replay(
             summary = post_recording(recording, server, speed, mission, chosen, changes)
     except RecordingError as error:
         raise CommandError(str(error)) from error
+    _print(f"{dataset} {path.name}", summary, json)
+
+
+def _print(title: str, summary: dict[str, Any], json: bool) -> None:
     if json:
         print_json(summary)
     else:
-        print_table(f"{dataset} {path.name}", summary)
+        print_table(title, summary)
 
 
 def _replay_here(
@@ -111,6 +127,7 @@ def _replay_here(
     from robots.agent import ObservationError
     from robots.config import ConfigError
     from robots.datasets.replay import replay as run
+    from robots.estimation.graph import GraphError
     from robots.evaluation import EvaluationError, read_relations
     from robots.outputs import write_team, write_trajectories
 
@@ -122,9 +139,16 @@ def _replay_here(
     with progress() as display:
         total = sum(recording.length(robot_id) for robot_id in robots)
         task = display.add_task(f"replaying {recording.name}", total=total)
+        comparisons = _comparisons(recording, changes)
         try:
-            result = run(recording, lambda: display.advance(task), robots, changes)
-        except (ConfigError, ObservationError) as error:
+            result = run(
+                recording,
+                lambda: display.advance(task),
+                robots,
+                changes,
+                lambda robot_id, update: comparisons[robot_id].take(update) if comparisons else None,
+            )
+        except (ConfigError, GraphError, ObservationError) as error:
             raise CommandError(f"{recording.name}: {error}") from error
     wall_s = perf_counter() - began
     if out is not None:
@@ -144,6 +168,7 @@ def _replay_here(
         "explored_m2": result.team.explored_m2,
         "ate_m": {robot.robot_id: _error_m(recording, robot, robot.final) for robot in result.robots},
         "ate_online_m": {robot.robot_id: _error_m(recording, robot, robot.online) for robot in result.robots},
+        "tags_m": _tags_m(recording, result.team),
         "step_hz": len(step_ms) / wall_s,
         "wall_s": wall_s,
         "step_ms_p50": float(np.percentile(step_ms, 50)),
@@ -155,7 +180,19 @@ def _replay_here(
         summary["relations_online_m"] = {
             robot.robot_id: _relations_m(robot.online, pairs) for robot in result.robots
         }
+    if comparisons:
+        summary["bit_equal"] = {robot_id: comparisons[robot_id].bit_equal() for robot_id in robots}
+        summary["updates_compared"] = {robot_id: comparisons[robot_id].compared for robot_id in robots}
     return summary
+
+
+def _comparisons(recording: Recording, changes: dict[str, Any]) -> dict[str, UpdateComparison]:
+    """Return one for each robot of a mission log; none where agents are told other than they were."""
+    from robots.datasets.mission_log import MissionLog, UpdateComparison
+
+    if changes or not isinstance(recording, MissionLog):
+        return {}
+    return {robot_id: UpdateComparison(robot) for robot_id, robot in recording.logged.items()}
 
 
 def _error_m(recording: Recording, robot: RobotReplay, estimate: Trajectory) -> float | None:
@@ -166,6 +203,16 @@ def _error_m(recording: Recording, robot: RobotReplay, estimate: Trajectory) -> 
         return None
     try:
         return absolute_error(estimate, truth, max_gap_s=recording.truth_gap_s).rmse_m
+    except EvaluationError:
+        return None
+
+
+def _tags_m(recording: Recording, team: TeamUpdate) -> float | None:
+    from robots.evaluation import EvaluationError, places_error
+
+    try:
+        found = {tag.tag_id: (tag.x_m, tag.y_m) for tag in team.tags}
+        return places_error(found, recording.tag_places()).mean_m
     except EvaluationError:
         return None
 

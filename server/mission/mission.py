@@ -24,6 +24,7 @@ from server.board import Board
 from server.differences import differences
 from server.errors import ApiError
 from server.mission.annotations import Annotations
+from server.mission.best_map import BestMap
 from server.mission.doubts import Doubts
 from server.mission.events import Events
 from server.mission.links import Links
@@ -67,6 +68,7 @@ class Mission:
         self.stops = Stops(store, self.roster, self.events)
         doubts = Doubts(store, mission_id, self.events)
         self.shared_map = SharedMap(store, forks, self.board, self.roster, self.victims, doubts, on_grid)
+        self.best_map = BestMap(store, forks, self.board, self.roster, self.shared_map, self._tasks)
         self._links = Links(self.roster, self.events, settings)
         self._recovery = Recovery(store, self.roster, self.shared_map, self.memories, self._tasks, settings)
         self._store = store

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from db.store import Store
+from robots.se2 import Array
 from robots.team import TeamGrid, TeamTag, TeamUpdate
 from robots.types import AgentUpdate
 from server.agents.process import ForkServer
@@ -70,6 +71,10 @@ class SharedMap:
     def put(self, robot: Robot, update: AgentUpdate) -> None:
         """Take over an agent's update."""
         self._team.put(robot.robot_id, update)
+
+    def way(self, robot_id: str, until_seq: int) -> Array:
+        """Return where a robot was up to an observation; see ``TeamHost.way``."""
+        return self._team.way(robot_id, until_seq)
 
     async def close(self) -> None:
         """End the process."""

@@ -67,6 +67,7 @@ def test_virtual_tags_and_settings(tmp_path):
     recording = load(write(tmp_path), 1.0)
     sighted = [[tag.tag_id for tag in o.tag_sightings] for o in recording.observations("r1")]
     assert sighted == [["1"], [], ["2"], [], ["3"], []]
+    assert recording.tag_places() == {"1": (0.0, 0.0), "2": (1.0, 0.0), "3": (2.0, 0.0)}
     assert override(AgentConfig(), recording.settings).antenna.radius_m == 0.15
 
 

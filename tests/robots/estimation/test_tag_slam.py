@@ -24,16 +24,23 @@ def seen_from(pose: Pose2, place: tuple[float, float]) -> tuple[float, float]:
     return hypot(x, y), atan2(y, x)
 
 
-def circle(slam: TagSlam, steps: int, rng: np.random.Generator | None = None) -> list[Pose2]:
-    """Drive a circle among landmarks, one of which is in sight each second step; return the true anchors."""
+def there(name: str, seq: int) -> tuple[str, tuple[float, float]]:
+    return name, LANDMARKS[name]
+
+
+def circle(slam: TagSlam, steps: int, rng: np.random.Generator | None = None, what=there) -> list[Pose2]:
+    """Drive a circle among landmarks, one of which is in sight each second step; return the true anchors.
+
+    ``what`` says under which name, and where, a landmark is seen at a step.
+    """
     pose, anchors = Pose2(), [Pose2()]
     ranging = slam._config.ranging
     for seq in range(steps):
         moved = DistanceTurn(0.08, 0.03)
         if seq:
             pose = pose @ Pose2(0.08, 0.0, 0.03)
-        name = f"L{seq // 2 % 7}"
-        range_m, bearing = seen_from(pose, LANDMARKS[name])
+        name, place = what(f"L{seq // 2 % 7}", seq)
+        range_m, bearing = seen_from(pose, place)
         if rng is not None:
             z = rng.standard_normal(4)
             noise = CONFIG.odometry
@@ -72,6 +79,30 @@ def test_tags_seen_from_afar_hold_a_drifting_robot_and_say_how_well():
         covariances.append(slam._graph.last_covariance)
     assert np.sqrt(np.mean(np.square(errors), axis=0))[:2].max() < 0.35
     assert 0.3 < consistency(np.array(errors), np.array(covariances)).average < 6.0
+
+
+def moved(name: str, seq: int) -> tuple[str, tuple[float, float]]:
+    x, y = LANDMARKS[name]
+    return name, (x - 2.0, y + 1.0) if name == "L3" and seq > 200 else (x, y)
+
+
+def cloned(name: str, seq: int) -> tuple[str, tuple[float, float]]:
+    return "L2" if name == "L5" else name, LANDMARKS[name]
+
+
+def misread(name: str, seq: int) -> tuple[str, tuple[float, float]]:
+    return "L0" if seq in (150, 222) else name, LANDMARKS[name]
+
+
+@pytest.mark.parametrize("what", [moved, cloned, misread])
+def test_a_tag_that_is_not_what_it_claims_does_not_bend_the_map(what):
+    slam = TagSlam(CONFIG, 0.0, None)
+    anchors = circle(slam, 400, np.random.default_rng(5), what)
+    report = slam.report()
+    errors = np.hypot(*(report.poses[:, :2] - [(pose.x, pose.y) for pose in anchors]).T)
+    assert errors.max() < 0.4
+    for name in {"L1", "L4", "L6"}:
+        assert slam.tag_place(name) == pytest.approx(LANDMARKS[name], abs=0.4)
 
 
 def test_many_sightings_from_one_pose_count_as_one():
@@ -186,3 +217,18 @@ def test_an_odd_scan_is_no_sign_of_another_place(ranges):
     surface = np.random.default_rng(0).uniform(-3.0, 3.0, (100, 2))
     assert 0.0 <= share_seen_through(scan, Pose2(), surface) <= 1.0
     assert share_seen_through(replace(scan, angle_increment_rad=0.0), Pose2(), surface) == 0.0
+
+
+@pytest.mark.parametrize("moved", [False, True], ids=["same place", "carried"])
+def test_after_minutes_of_silence_the_first_scans_tell_whether_it_was_carried(rooms, moved):
+    robot = Carried(rooms, imu=False)
+    robot.go(10, tag="A")
+    robot.go(20, turn_rad=0.15)
+    robot.seq += 3000  # ten minutes in which nobody heard of it
+    if moved:
+        robot.lift(Pose2(20.0, -1.0, 0.4))
+    before = robot.slam.pose
+    robot.go(6)
+    assert len(robot.lost) == moved
+    after = robot.slam.pose
+    assert hypot(after.x - before.x, after.y - before.y) == pytest.approx(0.6, abs=0.05)

@@ -50,7 +50,7 @@ def team(tmp_path_factory):
             for k, place in enumerate([(3.0, 3.0), (-3.0, 3.0), (-3.0, -1.0), (3.0, -1.0)]):
                 x, y = pose.inverse().transform_point(*place)
                 if at % 500 == 0 and x > 0.0:
-                    seen.append([at, 6 + k, np.hypot(x, y), np.arctan2(y, x)])
+                    seen.append([at, 6 + k, 0.985 * np.hypot(x, y) + 0.03, np.arctan2(y, x)])
         told = np.tile([0.25, 0.2], (len(t_ms), 1))
         arrays |= {f"odo{number}_t_ms": t_ms - 240, f"odo{number}_vw": told}
         rows = np.array(seen)
@@ -82,6 +82,7 @@ def test_the_day_is_replayed_and_written(recording, tmp_path, capsys):
     assert result["observations"] == 104
     assert result["ate_m"]["r1"] < 0.1
     assert result["sightings"] >= result["tags"] > 5
+    assert result["tags_m"] < 0.2
     final = read_tum(tmp_path / "trajectory_r1_final.tum")
     assert final.stamps_s.tolist() == (1000.0 + np.arange(104)).tolist()
     tags = [row.split(",")[0] for row in (tmp_path / "tags.csv").read_text().splitlines()[1:]]
@@ -111,6 +112,21 @@ def test_robots_go_through_a_recording_in_the_order_asked_for(team, tmp_path, ca
     assert len(list(tmp_path.glob("trajectory_r?_final.tum"))) == 3
 
 
+def test_a_pose_graph_is_replayed_and_written(tmp_path, capsys):
+    path = tmp_path / "square.g2o"
+    edges = [(k, k + 1) for k in range(8)] + [(0, 4), (4, 8)]
+    turn = ["1 0 1.5707963", "0 0 6.2831853"]
+    path.write_text("".join(f"EDGE_SE2 {i} {j} {turn[j - i > 1]} 100 0 0 100 0 100\n" for i, j in edges))
+    assert run(["replay", "g2o", str(path), "--out", str(tmp_path / "out"), "--json"]) == 0
+    shown = capsys.readouterr()
+    result = json.loads(shown.out)
+    assert (result["vertices"], result["edges"], result["loops"]) == (9, 10, 2)
+    assert result["chi2"] == pytest.approx(0.0, abs=1e-6)
+    assert shown.err.startswith("Note: vertices that only edges name were placed along them: 0, 1")
+    assert len(read_tum(tmp_path / "out" / "trajectory_r1_final.tum")) == 9
+    assert run(["solve", str(tmp_path / "out" / "solved.g2o"), "--json"]) == 0
+
+
 def test_relations_are_compared_on_demand(recording, tmp_path, capsys):
     truth = np.load(recording)["corrected_pose"]
     rows = []
@@ -126,8 +142,12 @@ def test_relations_are_compared_on_demand(recording, tmp_path, capsys):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["mars", "FILE"], "there is no dataset 'mars'; known are csail, intel, mrclam"),
+        (["mars", "FILE"], "there is no dataset 'mars'; known are csail, g2o, intel, log, mrclam"),
         (["intel", "absent.npz"], "there is no recording absent.npz"),
+        (["log", "FILE"], "is no mission log that waymark export wrote"),
+        (["g2o", "absent.g2o"], "cannot read the graph absent.g2o"),
+        (["g2o", "FILE"], "has no VERTEX_SE2 and no EDGE_SE2 line"),
+        (["g2o", "FILE", "--robots", "1"], "a pose graph has no robots and no sensors"),
         (["intel", "FILE", "--virtual-tags", "0"], "--virtual-tags has to be greater than 0"),
         (["intel", "FILE", "--virtual-tags", "nan"], "--virtual-tags has to be a finite number"),
         (["intel", "FILE", "--speed", "-1"], "--speed has to be 0 or more"),
@@ -192,6 +212,17 @@ def test_a_recording_is_posted_through_the_robot_api(recording, control, capsys)
     assert [item["seq"] for item in observations] == list(range(104))
     assert seen["robots"][0]["config"]["antenna"]["radius_m"] == 0.15
     assert observations[0]["tag_sightings"] == [{"tag_id": "1", "memory": ""}]
+
+
+def test_agents_on_a_server_are_told_how_to_estimate_too(team, control, capsys):
+    url, seen = control
+    options = ["--server", url, "--speed", "0", "--robots", "2", "--order", "r2", "--slam", "odometry"]
+    assert run(["replay", "mrclam", str(team), *options, "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["robots"] == 2
+    assert [robot["robot_id"] for robot in seen["robots"]] == ["r2", "r1"]
+    assert seen["robots"][0]["config"]["slam"] == "odometry"
+    observed = [item for batch in seen["batches"] for item in batch["observations"]]
+    assert any("range_m" in tag for item in observed for tag in item.get("tag_sightings", ()))
 
 
 def test_the_speed_is_kept_and_a_second_call_goes_on(recording, control, capsys):

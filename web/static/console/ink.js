@@ -65,9 +65,10 @@ function drawLinks(ctx, view, store) {
   ctx.strokeStyle = "rgba(255, 243, 196, 0.28)";
   ctx.lineWidth = 1;
   ctx.beginPath();
-  for (const [first, second] of store.links) {
-    const a = store.tags.get(first);
-    const b = store.tags.get(second);
+  const { links, tags } = store.shown;
+  for (const [first, second] of links) {
+    const a = tags.get(first);
+    const b = tags.get(second);
     if (!a || !b) continue;
     ctx.moveTo(view.toX(a.x_m), view.toY(a.y_m));
     ctx.lineTo(view.toX(b.x_m), view.toY(b.y_m));
@@ -81,7 +82,7 @@ function drawLinks(ctx, view, store) {
  * @param {Store} store
  */
 function drawTrails(ctx, view, store) {
-  for (const trail of store.trails.values()) {
+  for (const trail of store.shown.trails.values()) {
     const isSelected = store.isSelectedRobot(trail.robot_id);
     ctx.globalAlpha = isSelected ? 0.95 : store.selected?.kind === "robot" ? 0.35 : 0.6;
     ctx.lineWidth = isSelected ? 2.5 : 1.75;
@@ -97,7 +98,7 @@ function drawTrails(ctx, view, store) {
  * @param {Store} store
  */
 function drawPlan(ctx, view, store) {
-  const robot = store.selected?.kind === "robot" ? store.robots.get(store.selected.id) : undefined;
+  const robot = store.selected?.kind === "robot" ? store.shown.robots.get(store.selected.id) : undefined;
   if (!robot) return;
   const color = robotColor(robot.robot_id);
   if (robot.path_m?.length) {
@@ -175,7 +176,7 @@ function drawTags(ctx, view, store) {
   const isClose = view.scale >= LABEL_FROM_PX_PER_M;
   const drawn = [];
   const taken = new Set();
-  for (const tag of store.tags.values()) {
+  for (const tag of store.shown.tags.values()) {
     const [x, y] = [view.toX(tag.x_m), view.toY(tag.y_m)];
     if (x < -40 || y < -40 || x > view.width + 40 || y > view.height + 40) continue;
     // Far out, tags nearer than six pixels would only make a smear: the first one stands for its neighbours.

@@ -1,6 +1,7 @@
 /** What lies over the plan: tools, layers, scale, cursor, north, and words when there is nothing to show. */
 
 import { fixed } from "./format.js";
+import { BestWords, MapSwitch } from "./map_switch.js";
 import { LAYERS } from "./store.js";
 import { Component, html } from "./vendor.js";
 
@@ -11,9 +12,10 @@ const LONGEST_BAR_PX = 120;
 
 /** @param {{store: Store, plan: Plan}} props */
 export function PlanTools({ store, plan }) {
-  const hasRobot = store.selected?.kind === "robot";
+  const hasRobot = store.selected?.kind === "robot" && !store.best.isShown;
   return html`
     <div class="tools tools-left">
+      <${MapSwitch} store=${store} />
       <${LayerMenu} store=${store} />
     </div>
     <div class="tools tools-right">
@@ -35,6 +37,7 @@ export function PlanTools({ store, plan }) {
         ${plan.cursor.tag && html`<b>${plan.cursor.tag}</b>`}</span>`}
       ${noticeAt(plan, store) && html`<span class="tag-notice">${noticeAt(plan, store)}</span>`}
     </div>
+    <${BestWords} store=${store} />
     <${PlanWords} store=${store} />`;
 }
 
