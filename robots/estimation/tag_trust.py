@@ -26,6 +26,9 @@ TagState = Literal["moved", "cloned", "wrong"]
 
 FALSE_ALARM = 1e-4  # of one sound tag, where all covariances are as claimed
 LEAST_SHIFT_M = 0.3  # what lies nearer may come from antennas and wheels
+_LARGEST_SCALE = (
+    9.0  # deviations three times as claimed: beyond that it is not the covariances that are wrong
+)
 _ENOUGH = 8  # so many claims at least tell how honest the covariances are
 _SHARE = 0.3  # tags this suspicious, against the most suspicious one, are looked at in one go
 _WAY_MARGIN = 16.0  # by which loosening a displacement has to explain more than giving up any tag
@@ -158,9 +161,8 @@ def _scale(neighbours: Array) -> float:
     """Return how much larger than honest the contradictions of a graph's sightings are, never below 1."""
     if len(neighbours) < _ENOUGH:
         return 1.0
-    return max(
-        1.0, float(np.quantile(neighbours, 0.25)) / (2.0 * log(4.0 / 3.0))
-    )  # that of chi-square with 2
+    found = float(np.quantile(neighbours, 0.25)) / (2.0 * log(4.0 / 3.0))  # that of chi-square with 2
+    return min(max(1.0, found), _LARGEST_SCALE)
 
 
 def _worst_ways(ways: WayTests, loosened: list[int], least: float) -> list[int]:

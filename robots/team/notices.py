@@ -11,7 +11,9 @@ from robots.team.problem import JointProblem
 from robots.team.types import TeamNotice
 from robots.types import GraphReport
 
-_OFTEN = 3  # contradictions of one robot's way, from which it may be two robots
+_OFTEN = 3  # contradictions of one robot's way, from which it may be two robots,
+_SHARE = 0.25  # where they are so many of its readings
+_AWAY_SD = 8.0  # a reading so far off is not believed
 
 
 def tag_notices(joint: JointProblem, judged: Judgement) -> dict[int, TeamNotice]:
@@ -27,23 +29,38 @@ def way_notices(
     for edge in judged.loosened:
         driver = joint.drivers[np.flatnonzero(joint.ways == edge)[0]]
         edges.setdefault(joint.names[int(driver)], []).append(edge)
+    disbelieved = _disbelieved(joint, judged)
     notices = []
-    for name, of_robot in sorted(edges.items()):
-        graph, begin = graphs[name], joint.begins[name]
-        pair = joint.problem.edge_pairs[of_robot[0]] - begin
-        since, until = (float(stamp) for stamp in graph.stamps_s[pair])
-        if len(of_robot) < _OFTEN:
+    for name in sorted({*edges, *disbelieved}):
+        of_robot, begin = edges.get(name, []), joint.begins[name]
+        pairs = joint.problem.edge_pairs[of_robot] - begin
+        since, until = graphs[name].stamps_s[pairs[0]] if len(pairs) else (disbelieved[name], np.nan)
+        if name in disbelieved or len(of_robot) >= _OFTEN:
+            text = (
+                f"The way of {name} contradicts the tags it read again and again since {clock(since)}: "
+                "do two robots report as one?"
+            )
+        else:
             text = (
                 f"The way of {name} between {clock(since)} and {clock(until)} contradicts the tags it read: "
                 "it was carried, or slipped."
             )
-        else:
-            text = (
-                f"The way of {name} contradicts the tags it read {len(of_robot)} times since {clock(since)}: "
-                "do two robots report as one?"
-            )
-        notices.append(TeamNotice("way", name, text, since, (name,)))
+        notices.append(TeamNotice("way", name, text, float(since), (name,)))
     return notices
+
+
+def _disbelieved(joint: JointProblem, judged: Judgement) -> dict[str, float]:
+    """Return robots whose readings of sound tags the solution let go of in numbers, and since when."""
+    found = {}
+    doubted = {verdict.tag for verdict in judged.verdicts}
+    tags = judged.tag_of[judged.problem.sighting_pairs[:, 1]]
+    sound = ~np.isin(tags, list(doubted))
+    away = sound & (judged.solution.sighting_residuals > _AWAY_SD)
+    for index, name in enumerate(joint.names):
+        mine = joint.readers == index
+        if away[mine].sum() >= max(_OFTEN, _SHARE * mine.sum()):
+            found[name] = float(joint.stamps_s[mine & away].min())
+    return found
 
 
 def clock(stamp_s: float) -> str:
