@@ -23,7 +23,7 @@ def lines_of(path):
 @pytest.fixture
 def ended(tmp_path, make_control, drive, wait_until):
     """The folder of a mission control that was ended after a mission: r1 drove, r2 never sent a thing."""
-    line = make_control(tmp_path / "data", snapshot_every=30).open("school")
+    line = make_control(tmp_path / "data", snapshot_every=30, reply_s=120.0).open("school")
     line.register(**line.words)
     line.register("r2")
     for wires in drive.wires[:BATCHES]:
