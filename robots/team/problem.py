@@ -23,7 +23,6 @@ from robots.types import GraphReport, IntArray
 
 _HEADING_SD_RAD = 0.035  # of a compass, for minutes at a time
 _HELD_SD = 1e-3  # what holds the world in place where nobody surveyed it
-_BENT = np.diag([0.03**2, 0.03**2, 0.01**2])  # how far clouds bend, which a robot's own loops leave out
 _ANYWHERE = 1e3  # deviation of what is not known: metres, or radians
 
 
@@ -101,9 +100,7 @@ def joint_problem(
         ways.append(edges.count + np.arange(len(graph.edge_pairs)))
         drivers.append(np.full(len(graph.edge_pairs), index))
         edges.add(graph.edge_pairs + count, graph.edge_poses, np.linalg.inv(graph.edge_covariances), False)
-        edges.add(
-            graph.loop_pairs + count, graph.loop_poses, np.linalg.inv(graph.loop_covariances + _BENT), True
-        )
+        edges.add(graph.loop_pairs + count, graph.loop_poses, np.linalg.inv(graph.loop_covariances), True)
         to_team = np.array([tag_index[tag] for tag in graph.tag_ids], np.int64)
         pairs = graph.sighting_pairs
         sightings.append(
