@@ -8,12 +8,12 @@ from math import atan2, cos, floor, hypot, inf, pi, sin
 import numpy as np
 from numba import njit
 
-from robots.estimation.nearest import CELL_M, MAX_POINTS, MAX_REACH_CELLS, NOTHING, Index, nearest, stamp
+from robots.estimation.local_map import thin
+from robots.estimation.nearest import CELL_M, MAX_POINTS, NOTHING, Index, nearest
 from robots.se2 import Array
 
 _BEARINGS = 360  # of the free space seen round the anchor
 _ITERATIONS = 20
-_KEEP_APART_M = 0.04  # a point this near to another one adds nothing
 _INLIER_M = 0.12
 _EXPLAINED_M = 0.15
 _CLEAR_M = 0.3  # so far in front of what is seen, a point that is not explained contradicts
@@ -41,31 +41,12 @@ def surface(points: Array, normals: Array) -> Surface:
         return Surface(points, normals, np.zeros((0, 0), np.int32), np.zeros(2), np.zeros(_BEARINGS))
     low = np.floor((points.min(axis=0) - 0.6) / CELL_M) * CELL_M
     size = np.ceil((points.max(axis=0) + 0.6 - low) / CELL_M).astype(int)
-    index = np.empty((size[1], size[0]), np.int32)
-    points, normals = points.copy(), normals.copy()
-    kept = _thin(points, normals, low, index)
-    points, normals = points[:kept].copy(), normals[:kept].copy()
+    index = np.full((size[1], size[0]), NOTHING, np.int32)
+    room = min(len(points), MAX_POINTS)
+    kept_points, kept_normals = np.empty((room, 2)), np.empty((room, 2))
+    kept = thin(points, normals, kept_points, kept_normals, 0, index, low)
+    points, normals = kept_points[:kept].copy(), kept_normals[:kept].copy()
     return Surface(points, normals, index, low, _sight(points))
-
-
-@njit(cache=True)
-def _thin(points: Array, normals: Array, origin: Array, index: Index) -> int:
-    """Thin the points in place, fill the index and return how many points were kept."""
-    index[:, :] = NOTHING
-    kept = 0
-    for i in range(points.shape[0]):
-        x, y, nx, ny = points[i, 0], points[i, 1], normals[i, 0], normals[i, 1]
-        j = nearest(x, y, index, origin)
-        if j >= 0:
-            dx, dy = points[j, 0] - x, points[j, 1] - y
-            same_side = nx * normals[j, 0] + ny * normals[j, 1] > 0.7 or (nx == 0.0 and ny == 0.0)
-            if dx * dx + dy * dy < _KEEP_APART_M * _KEEP_APART_M and same_side:
-                continue
-        if kept < MAX_POINTS and stamp(index, origin, kept, x, y, MAX_REACH_CELLS):
-            points[kept, 0], points[kept, 1] = x, y
-            normals[kept, 0], normals[kept, 1] = nx, ny
-            kept += 1
-    return kept
 
 
 @njit(cache=True)

@@ -56,7 +56,7 @@ class ScanReference:
 
 def reference_of(scan: LaserScan, config: ScanMatchConfig) -> ScanReference:
     """Return a scan prepared as the reference of ``match_scans``."""
-    points = scan_points(scan, config.max_range_m)
+    points = scan_points(scan, config.max_range_m, smooth=True)
     stride = -(-len(points.points) // MAX_POINTS)
     if stride > 1:
         thinned = (
@@ -78,7 +78,7 @@ def match_scans(
     if isinstance(reference, LaserScan):
         reference = reference_of(reference, config)
     if isinstance(scan, LaserScan):
-        scan = scan_points(scan, config.max_range_m)
+        scan = scan_points(scan, config.max_range_m, smooth=True)
     if not _usable(reference.points, config):
         return None
     points = reference.points

@@ -24,11 +24,10 @@ _ENOUGH_POINTS = 20
 class ScanPoints:
     """End points of a scan with surface normals, in the base frame.
 
-    ``points`` (n, 2) in metres, in the order of the beams, each moved onto the line that fits its neighbours;
-    ``normals`` (n, 2), unit, towards the sensor, zero where unknown;
-    ``far_fraction`` is the share of beams that hit nothing. Things as small as a robot that stand free are
-    left out where enough else is seen: they may be other robots, and a scan matched to one that drives away
-    would be dragged along.
+    ``points`` (n, 2) in metres, in the order of the beams; ``normals`` (n, 2), unit, towards the sensor, zero
+    where unknown; ``far_fraction`` is the share of beams that hit nothing. Things as small as a robot that
+    stand free are left out where enough else is seen: they may be other robots, and a scan matched to one that
+    drives away would be dragged along.
     """
 
     points: Array
@@ -36,14 +35,18 @@ class ScanPoints:
     far_fraction: float
 
 
-def scan_points(scan: LaserScan, max_range_m: float) -> ScanPoints:
-    """Return the scan's hits within ``max_range_m``, without isolated ones, with their normals."""
+def scan_points(scan: LaserScan, max_range_m: float, smooth: bool = False) -> ScanPoints:
+    """Return the scan's hits within ``max_range_m``, without isolated ones, with their normals.
+
+    ``smooth`` moves each point onto the line through its neighbours: less noise, but door frames and other
+    small things lose their depth, which a map of many scans would miss.
+    """
     if not isfinite(scan.angle_min_rad) or not isfinite(scan.angle_increment_rad):
         return ScanPoints(np.zeros((0, 2)), np.zeros((0, 2)), 1.0)
     limit = min(max_range_m, scan.range_max_m)
     directions = _directions(len(scan.ranges_m), scan.angle_min_rad, scan.angle_increment_rad)
     increment = abs(scan.angle_increment_rad)
-    points, normals, far = _points(scan.ranges_m, directions, increment, limit, scan.range_max_m)
+    points, normals, far = _points(scan.ranges_m, directions, increment, limit, scan.range_max_m, smooth)
     return ScanPoints(points, normals, far)
 
 
@@ -84,7 +87,7 @@ def _standing_free(
 
 @njit(cache=True)
 def _points(
-    ranges: FloatArray32, directions: Array, increment: float, limit: float, range_max: float
+    ranges: FloatArray32, directions: Array, increment: float, limit: float, range_max: float, smooth: bool
 ) -> tuple[Array, Array, float]:
     n = ranges.shape[0]
     xy = np.zeros((n, 2))
@@ -151,8 +154,9 @@ def _points(
                     size = -size
                 nx, ny = nx / size, ny / size
                 normals[count, 0], normals[count, 1] = nx, ny
-                across = (nx * mx + ny * my) / m  # onto the line through its neighbours
-                points[count, 0], points[count, 1] = x + nx * across, y + ny * across
+                if smooth:
+                    across = (nx * mx + ny * my) / m
+                    points[count, 0], points[count, 1] = x + nx * across, y + ny * across
         count += 1
     if count - free >= _ENOUGH_POINTS and free > 0:
         kept = 0
