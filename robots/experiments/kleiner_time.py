@@ -1,7 +1,7 @@
 """Kleiner 2006 section VI: how long the correction of a map takes, small, normal and large.
 
-Processor time of this process, one thread, kernels compiled: building the problem from the tag graph and solving it,
-from odometry to the corrected map. Only the courses before are spread over processes.
+Processor time of this process, one thread, kernels compiled: building the problem from the tag graph and
+solving it, from odometry to the corrected map. Only the courses before are spread over processes.
 """
 
 from __future__ import annotations
