@@ -32,7 +32,7 @@ CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shuti
 FLAGS = ["--no-sandbox", "--disable-gpu", "--disable-background-networking", "--no-first-run"]
 SOON_MS = 30_000
 SOLVED_MS = 120_000  # of low priority, on a machine that has other things to do
-BATCHES, LATER = 60, 30
+BATCHES, LATER = 60, 60
 
 
 @pytest.fixture(scope="module")

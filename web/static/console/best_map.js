@@ -10,7 +10,8 @@ import { missionPath, request } from "./api.js";
 /** @import {Store} from "./store.js" */
 
 const RETRY_MS = 3000;
-const MOVED_M = 0.5; // a robot that drove less has seen nothing new
+const MOVED_M = 0.5; // who drove less has hardly seen anything new
+const STALE_M = 3; // a room's length: with robots under way it is never quite new, and that is no reason to warn
 
 /**
  * What the plan draws, live or best.
@@ -109,9 +110,10 @@ export class BestMap {
       .reduce((sum, [robot, known_m]) => sum + Math.max(0, robot.distance_m - known_m), 0);
   }
 
-  /** Whether robots have been somewhere since. */
-  isOutrun() {
-    return this.drivenSince_m() >= MOVED_M;
+  /** How much the robots have outrun it. @returns {"" | "a little" | "stale"} */
+  outrun() {
+    const driven_m = this.drivenSince_m();
+    return driven_m >= STALE_M ? "stale" : driven_m >= MOVED_M ? "a little" : "";
   }
 
   /** Robots that have reported since, and how far each had driven then. @returns {[Robot, number][]} */
@@ -124,14 +126,15 @@ export class BestMap {
 
   /**
    * The layers as the best map has them. Robots have none: where they are is known in the live map only, and that
-   * differs by just what the best map corrects. Of victims it has the places; the rest is said of them live.
+   * differs by just what the best map corrects. Of victims it has the places; one that it does not know yet is shown
+   * where the live map has it: off by a little is better than not there.
    * @returns {Layers}
    */
   layers() {
     if (!this.content) return layersOf(null);
     const { places, ...layers } = this.drawn;
-    const victims = [...this.store.victims].filter(([id]) => places.has(id));
-    return { ...layers, victims: new Map(victims.map(([id, victim]) => [id, { ...victim, ...places.get(id) }])) };
+    const victims = [...this.store.victims].map(([id, victim]) => /** @type {const} */ ([id, { ...victim, ...places.get(id) }]));
+    return { ...layers, victims: new Map(victims) };
   }
 
   /** Bring the content to what the board announces, if somebody looks at it. */

@@ -74,12 +74,13 @@ function words(store) {
   if (!best.content) return { line: "Loading the best map", detail: `${solved}.`, level: "" };
   const notes = (state?.left_out ?? []).map(({ robot_id, reason }) => `Without ${robot_id}: ${reason}.`);
   if (!best.content.map) notes.push("There is no picture: no robot has sent scans.");
-  if (best.isOutrun()) {
-    const driven = `Robots have driven ${metres(best.drivenSince_m())} since.`;
-    return { line: `${solved} · stale`, detail: [driven, ...notes].join(" "), level: "stale" };
+  const outrun = best.outrun();
+  if (outrun) notes.unshift(`Robots have driven ${metres(best.drivenSince_m())} since.`);
+  else if (!state?.left_out.length) {
+    notes.unshift(best.isStale() ? "Robots have hardly moved since." : "All that robots have seen is in it.");
   }
-  if (!notes.length) notes.push(best.isStale() ? "Robots have hardly moved since." : "All that robots have seen is in it.");
-  return { line: solved, detail: notes.join(" "), level: state?.left_out.length ? "warning" : "" };
+  const level = outrun === "stale" ? "stale" : state?.left_out.length ? "warning" : "";
+  return { line: outrun === "stale" ? `${solved} · stale` : solved, detail: notes.join(" "), level };
 }
 
 /**
