@@ -18,8 +18,8 @@ import sys
 import time
 from types import ModuleType
 
+from robots.warmup import warm_up
 from server.agents.best_servant import BestServant
-from server.agents.warming import warm_up
 from server.agents.worker import AgentServant, Servant, TeamServant, serve
 
 PID = struct.Struct("<i")
@@ -31,7 +31,10 @@ def main(control_fd: int, agent_module: str, team_module: str) -> None:
     """Fork a worker for every request on the control socket until it closes."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the server's to handle
     agent, team = importlib.import_module(agent_module), importlib.import_module(team_module)
-    warm_up(agent)
+    try:
+        warm_up()  # what is compiled or loaded here, every worker has
+    except Exception as error:  # it costs time later, nothing else
+        print(f"waymark: the warm-up failed: {error!r}", file=sys.stderr)
     children: set[int] = set()
     with socket.socket(fileno=control_fd) as control:
         while True:
