@@ -15,6 +15,7 @@ from zlib import crc32
 import numpy as np
 
 from robots.config import AgentConfig
+from robots.estimation.slip import SlipDetector
 from robots.estimation.tag_slam import TagSlam
 from robots.exploration.explorer import Decision, Explorer
 from robots.mapping.map_keeper import MapKeeper
@@ -46,6 +47,7 @@ class RobotAgent:
         self._explorer = Explorer(config, (config.seed, own, 1))
         self._dropper = TagDropper(config.deployment, config.mapping, (config.seed, own, 2))
         self._victims = VictimTracker(robot_id, config.victims)
+        self._slip = SlipDetector(config.odometry.slip) if config.odometry.slip != "off" else None
         self._maps = MapKeeper(config.mapping)
         self._slam: TagSlam | None = None
         self._last: Observation | None = None
@@ -62,7 +64,8 @@ class RobotAgent:
         self._check(observation)
         slam = self._start(observation)
         # pressed against something, the wheels turn on the spot
-        slipping = observation.bumper and self.config.poses == "slam"
+        slipping = self._wheels_slip(observation) or observation.bumper
+        slipping = slipping and self.config.poses == "slam"
         slam.predict(observation, self._last is not None, slipping)  # (1), (2)
         if observation.scan is not None:
             slam.match(observation.scan)  # (3), (4)
@@ -165,6 +168,13 @@ class RobotAgent:
             self._maps.begin(0, self._slam.pose, here, 0.0)
             self._maps.add_free(here, self.config.body.radius_m)
         return self._slam
+
+    def _wheels_slip(self, observation: Observation) -> bool:
+        if self._slip is None:
+            return False
+        told = None if self._update is None else self._update.command
+        in_force = Command() if observation.held else told
+        return self._slip.observe(observation.stamp_s, observation.odometry, observation.imu, in_force)
 
     def _decide(self, observation: Observation, slam: TagSlam) -> Decision:
         if observation.bumper and self._decision.linear_mps > 0.0:

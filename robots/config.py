@@ -88,7 +88,8 @@ class OdometryConfig:
     distance_sd_per_sqrt_m: float = 0.14
     turn_sd_per_sqrt_m: float = 0.17
     turn_sd_per_sqrt_rad: float = 0.08
-    slip_sd_m: float = 0.10  # of the distance while the wheels slip
+    slip: Literal["off", "basic", "extended"] = "extended"  # the tree that tells slippage of four wheels
+    slip_sd_per_sqrt_s: float = 0.25  # of the distance (m) while the wheels slip
     lateral_sd_per_sqrt_m: float = 0.02
 
 

@@ -61,11 +61,12 @@ class PoseTracker:
     ) -> None:
         """Move by the wheels, turn by the inertial unit where there is one (eq. 1 and 2)."""
         config = self._config
+        since_s = 0.0 if self._stamp_s is None else max(stamp_s - self._stamp_s, 0.0)
         turn, turn_sd = None, None
         if imu is not None:
-            if self._yaw_rad is not None and self._stamp_s is not None:
+            if self._yaw_rad is not None:
                 turn = wrap(imu.yaw_rad - self._yaw_rad)
-                turn_sd = config.imu.yaw_drift_sd_rad * sqrt(max(stamp_s - self._stamp_s, 1e-6))
+                turn_sd = config.imu.yaw_drift_sd_rad * sqrt(max(since_s, 1e-6))
             self._yaw_rad = imu.yaw_rad
         self._stamp_s = stamp_s
         mean = motion_mean(odometry, turn, config.body)
@@ -74,9 +75,9 @@ class PoseTracker:
         if config.poses == "truth":
             covariance = np.zeros((3, 3))
         else:
-            covariance = motion_covariance(
-                mean, config.odometry, config.body.track_width_m / 2.0, turn_sd, slipping
-            )
+            arm_m = config.body.track_width_m / 2.0
+            slipping_s = since_s if slipping else 0.0
+            covariance = motion_covariance(mean, config.odometry, arm_m, turn_sd, slipping_s)
         self.distance_m += sqrt(mean.x**2 + mean.y**2)
         self._reference_from_base = predict(self._reference_from_base, GaussianPose(mean, covariance))
         self._settle(_BLIND_REFERENCE_M)  # never right before a match: a fresh reference counts as exact

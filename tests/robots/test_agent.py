@@ -318,7 +318,8 @@ def test_pressed_against_something_the_wheels_do_not_count():
     pressed = agent.step(Observation(2, 0.4, GOOD, bumper=True))
     assert (free.slipping, pressed.slipping) == (False, True)
     assert pressed.pose.distance(free.pose) == 0.0
-    assert pressed.covariance[0, 0] > free.covariance[0, 0] + 0.9 * 0.1**2
+    slip_sd = AgentConfig().odometry.slip_sd_per_sqrt_s
+    assert pressed.covariance[0, 0] > free.covariance[0, 0] + 0.9 * slip_sd**2 * 0.2
     truth = RobotAgent("r1", AgentConfig(poses="truth"))
     truth.step(Observation(0, 0.0))
     moved = truth.step(Observation(1, 0.2, GOOD, bumper=True))
