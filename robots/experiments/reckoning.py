@@ -148,12 +148,13 @@ def _motions(course: Course, readings: Readings, config: AgentConfig) -> tuple[A
     motions = np.column_stack([along, across, wrap_array(turn)])
     motions[0] = 0.0
     moved, turned = np.hypot(motions[:, 0], motions[:, 1]), np.abs(motions[:, 2])
+    arm_m = body.track_width_m / 2.0
+    slip = np.where(slipping, noise.slip_sd_per_sqrt_s**2 * course.dt_s, 0.0)
     variances = np.column_stack(
         [
-            noise.distance_sd_per_sqrt_m**2 * (moved + turned * body.track_width_m / 2.0)
-            + np.where(slipping, noise.slip_sd_m**2, 0.0),
+            noise.distance_sd_per_sqrt_m**2 * (moved + turned * arm_m) + slip,
             noise.lateral_sd_per_sqrt_m**2 * moved,
-            noise.turn_sd_per_sqrt_m**2 * moved + noise.turn_sd_per_sqrt_rad**2 * turned,
+            noise.turn_sd_per_sqrt_m**2 * moved + noise.turn_sd_per_sqrt_rad**2 * turned + slip / arm_m**2,
         ]
     )
     if readings.yaws_rad is not None:
