@@ -26,9 +26,8 @@ from robots.experiments.errors import NAMES, Judged, judge
 from robots.experiments.experiment import Column, Experiment, Options, Row
 from robots.experiments.kleiner_slam_plot import draw
 from robots.experiments.parallel import in_parallel
-from robots.experiments.reckoning import Reckoned, read_sensors, reckon
+from robots.experiments.reckoning import Reckoned, firm_floor, read_sensors, reckon
 from robots.se2 import Array
-from robots.sim.wheels import data_sheet
 from robots.trajectory import edges_of, final_trajectory
 from robots.types import GraphReport
 
@@ -121,7 +120,7 @@ def _drive(drive: _Drive) -> list[_Outcome]:
 def _level(drive: _Drive, level: int) -> _Outcome:
     course = drive.course
     config = AgentConfig()
-    config = replace(config, odometry=data_sheet(level, config.body.track_width_m))
+    config = replace(config, odometry=firm_floor(level, config.body))
     reckoned: dict[bool, Reckoned] = {}
     for imu in (True, False):  # the same draws for all levels and methods
         wheels, unit = (np.random.default_rng([drive.seed, drive.run, stream]) for stream in (1, 2))

@@ -21,8 +21,7 @@ from robots.experiments import plotting
 from robots.experiments.buildings import GENERATED, Building, explore_all, stage
 from robots.experiments.course import Course
 from robots.experiments.experiment import Column, Experiment, Options, Row, finite
-from robots.experiments.reckoning import read_sensors, reckon
-from robots.sim.wheels import data_sheet
+from robots.experiments.reckoning import firm_floor, read_sensors, reckon
 
 PAPER_S = {"small": 0.42, "normal": 2.19, "large": 13.87}  # Pentium 4, 2.4 GHz
 _LEVEL = 3
@@ -67,7 +66,7 @@ def _correct(graph: TagGraph, method: Literal["linear", "gauss-newton"]) -> None
 
 def _graph(course: Course, seed: int, run: int) -> TagGraph:
     config = AgentConfig()
-    config = replace(config, odometry=data_sheet(_LEVEL, config.body.track_width_m))
+    config = replace(config, odometry=firm_floor(_LEVEL, config.body))
     wheels, imu = (np.random.default_rng([seed, run, stream]) for stream in (1, 2))
     return reckon(course, read_sensors(course, _LEVEL, config, wheels, imu), config).graph(online=False)
 

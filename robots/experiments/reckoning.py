@@ -7,16 +7,16 @@ inertial unit.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numba import njit
 
-from robots.config import AgentConfig
+from robots.config import AgentConfig, BodyConfig, OdometryConfig
 from robots.estimation.tag_graph import TagGraph
 from robots.experiments.course import Course
 from robots.se2 import Array, GaussianPose, Pose2, wrap_array
-from robots.sim.wheels import Imu, Wheels
+from robots.sim.wheels import Imu, Wheels, data_sheet
 from robots.trajectory import TrajectoryStep
 from robots.types import IntArray
 
@@ -71,6 +71,11 @@ class Reckoned:
             if online and any(news):
                 graph.solve()
         return graph
+
+
+def firm_floor(level: int, body: BodyConfig) -> OdometryConfig:
+    """Return what an agent is told of wheels of a noise level; floors do not slip in these experiments."""
+    return replace(data_sheet(level, body.track_width_m), slip="off")
 
 
 def read_sensors(

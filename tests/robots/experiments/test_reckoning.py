@@ -7,9 +7,8 @@ import pytest
 
 from robots.agent import RobotAgent
 from robots.config import AgentConfig
-from robots.experiments.reckoning import read_sensors, reckon
+from robots.experiments.reckoning import firm_floor, read_sensors, reckon
 from robots.se2 import Pose2, wrap_array
-from robots.sim.wheels import data_sheet
 from robots.types import ImuReading, Observation, TagSighting, WheelEncoders
 
 LEVEL = 2
@@ -17,7 +16,7 @@ LEVEL = 2
 
 @pytest.fixture(scope="module")
 def config() -> AgentConfig:
-    return replace(AgentConfig(), odometry=data_sheet(LEVEL, AgentConfig().body.track_width_m))
+    return replace(AgentConfig(), odometry=firm_floor(LEVEL, AgentConfig().body))
 
 
 def readings_of(course, config, imu, level=LEVEL, run=0):
