@@ -26,8 +26,8 @@ class ScanPoints:
 
     ``points`` (n, 2) in metres, in the order of the beams; ``normals`` (n, 2), unit, towards the sensor, zero
     where unknown; ``far_fraction`` is the share of beams that hit nothing. Things as small as a robot that
-    stand free are left out where enough else is seen: they may be other robots, and a scan matched to one that
-    drives away would be dragged along.
+    stand free are left out where enough else is seen: they may be other robots, and a scan matched to one
+    that drives away would be dragged along.
     """
 
     points: Array
