@@ -24,7 +24,6 @@ _SOFT = 0.3  # of the gate
 _GATE_M, _LAST_GATE_M = 0.5, 0.2
 _ILLUSION, _SOUND = 0.01, 0.05  # mean squared share of the normals along a direction: noise, and surely real
 _DAMPING = 0.5
-LOOSE = 0.1  # the start as a measurement, 15 cm or 9 degrees: decides only where no surface does
 
 
 @njit(cache=True)
@@ -104,12 +103,15 @@ def icp(
     origin: Array,
     ordered: bool,
     soft_m: float,
+    hold: float,
 ) -> tuple[Array, Array, float, float]:
     """Return pose, Hessian, share of inliers and rms residual of the alignment.
 
     Pose (3,), Hessian (3, 3) of the squared residuals in metres, rms residual of the inliers in metres.
     ``ordered``: the map's points are in the order of the beams. ``soft_m``: residuals beyond it lose weight;
-    at first, while the pose is far off, only larger ones.
+    at first, while the pose is far off, only larger ones. ``hold``: weight of the start as a measurement, in
+    points: where no surface faces, the pose stays there. For a start that is fused with the result afterwards
+    it has to be 0, or it would count twice.
     """
     pose = start.copy()
     n, last = points.shape[0], map_points.shape[0] - 1
@@ -190,12 +192,16 @@ def icp(
         hessian[0, 0], hessian[0, 1], hessian[0, 2] = hxx, hxy, hxt
         hessian[1, 0], hessian[1, 1], hessian[1, 2] = hxy, hyy, hyt
         hessian[2, 0], hessian[2, 1], hessian[2, 2] = hxt, hyt, htt
-        a, b, d = take_back(hessian, n, damped)
+        a, b, d = 1.0, 0.0, 1.0
+        if hold > 0.0:
+            a, b, d = take_back(hessian, n, damped)
+        else:
+            damped[:, :] = hessian
         ex, ey, et = pose[0] - start[0], pose[1] - start[1], pose[2] - start[2]
-        gradient[0], gradient[1] = -(a * gx + b * gy) - LOOSE * ex, -(b * gx + d * gy) - LOOSE * ey
-        gradient[2] = -gt - LOOSE * et
+        gradient[0], gradient[1] = -(a * gx + b * gy) - hold * ex, -(b * gx + d * gy) - hold * ey
+        gradient[2] = -gt - hold * et
         for axis in range(3):
-            damped[axis, axis] += LOOSE + _DAMPING
+            damped[axis, axis] += hold + _DAMPING
         solve3(damped, gradient, step)
         step[0], step[1] = a * step[0] + b * step[1], b * step[0] + d * step[1]
         pose += step

@@ -25,7 +25,9 @@ _SCAN_CORRELATED = 6.0  # of a pair of scans: each point was moved onto the line
 _SCAN_SD_M = 0.005  # residuals of smoothed points are no smaller on real walls
 _INDEX_REACH_M = 40.0
 _SCAN_SOFT_M, _MAP_SOFT_M = 0.06, 0.12  # two noises of 3 cm; the errors of the map's poses as well
-_DOUBT = 0.7  # below this overlap a second start is tried
+_HOLD = 0.1  # the guess of a pair: 15 cm or 9 degrees, decides only where no surface does
+_DOUBT = 0.7  # below this overlap a second start is tried, and believed where it is much better:
+_MUCH_BETTER = 0.2  # a little more overlap is won by sliding along a corridor into what is known
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -82,7 +84,7 @@ def match_scans(
     if not _usable(reference.points, config):
         return None
     points = reference.points
-    target = points.points, points.normals, reference.index, reference.origin, True, _SCAN_SOFT_M
+    target = points.points, points.normals, reference.index, reference.origin, True, _SCAN_SOFT_M, _HOLD
     return _match(target, scan, guess, config, _SCAN_SD_M, _SCAN_CORRELATED)
 
 
@@ -95,12 +97,12 @@ def match(local_map: LocalMap, scan: ScanPoints, guess: Pose2, config: ScanMatch
     """
     if not len(local_map):
         return None
-    target = local_map.points, local_map.normals, local_map.index, local_map.origin, False, _MAP_SOFT_M
+    target = local_map.points, local_map.normals, local_map.index, local_map.origin, False, _MAP_SOFT_M, 0.0
     return _match(target, scan, guess, config, config.point_sd_m, _MAP_CORRELATED)
 
 
 def _match(
-    target: tuple[Array, Array, Index, Array, bool, float],
+    target: tuple[Array, Array, Index, Array, bool, float, float],
     scan: ScanPoints,
     guess: Pose2,
     config: ScanMatchConfig,
@@ -111,10 +113,12 @@ def _match(
         return None
     start = guess.as_array()
     pose, hessian, overlap, rms = icp(start, scan.points, scan.normals, *target)
-    if overlap < max(config.min_overlap, _DOUBT) or not _plausible(start, pose, config):
-        points, _, index, origin, _, _ = target
-        second = icp(correlate(start, scan.points, points, index, origin), scan.points, scan.normals, *target)
-        if second[2] > overlap or not _plausible(start, pose, config):
+    failed = overlap < config.min_overlap or not _plausible(start, pose, config)
+    if failed or overlap < _DOUBT:
+        points, _, index, origin, *_ = target
+        elsewhere = correlate(start, scan.points, points, index, origin)
+        second = icp(elsewhere, scan.points, scan.normals, *target)
+        if second[2] > overlap + (0.0 if failed else _MUCH_BETTER):
             pose, hessian, overlap, rms = second
     if overlap < config.min_overlap or not _plausible(start, pose, config):
         return None
