@@ -101,6 +101,8 @@ tags = Table(
     Column("var_y", Float, nullable=False),
     Column("sightings", Integer, nullable=False),
     Column("robots", JSON, nullable=False),
+    Column("state", String(20), nullable=False, server_default="sound"),  # sound | moved | cloned | doubtful
+    Column("notice", Text, nullable=False, server_default=""),
     _of_mission(),
 )
 

@@ -38,6 +38,8 @@ class RobotAgent:
         ConfigError: a setting of ``config`` names something that does not exist.
     """
 
+    updates_digest = b""  # chain of all updates so far, where whoever encodes them keeps one
+
     def __init__(self, robot_id: str, config: AgentConfig) -> None:
         self.robot_id = robot_id
         self.config = config
@@ -222,6 +224,7 @@ class RobotAgent:
             covariance=here.covariance,
             anchor=slam.anchor,
             anchor_from_base=slam.anchor_from_base.mean,
+            anchor_from_base_covariance=slam.anchor_from_base.covariance,
             command=command,
             activity=decision.activity,
             reason=decision.reason,

@@ -178,8 +178,8 @@ class LoopConfig:
     earlier_sightings: int = 3  # that a new one is matched with
     window_m: float = 0.7  # how far off the graph may be
     window_rad: float = radians(30.0)
-    min_overlap: float = 0.6
-    min_margin: float = 0.15
+    min_overlap: float = 0.8
+    min_margin: float = 0.1
 
 
 @dataclass(frozen=True, slots=True)

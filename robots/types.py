@@ -222,7 +222,8 @@ class SubmapReport:
 class VictimEstimate:
     """A victim as one robot knows it.
 
-    ``position_m`` (2,) and ``covariance`` (2, 2) in the frame of its anchor pose vertex.
+    ``position_m`` (2,) and ``covariance`` (2, 2) in the frame of its anchor pose vertex; ``kind``: what the
+    sensor that saw it finds.
     """
 
     victim_id: str
@@ -233,6 +234,7 @@ class VictimEstimate:
     sightings: int
     first_seen_s: float
     last_seen_s: float
+    kind: str = "person"
 
 
 Activity = Literal["starting", "exploring", "returning", "holding", "stuck", "done"]
@@ -243,8 +245,8 @@ class AgentUpdate:
     """What an agent makes of one observation.
 
     ``pose`` and ``covariance`` (3, 3) in the map frame; ``anchor_from_base`` in the frame of pose vertex
-    ``anchor``; ``goal_m`` and ``path_m`` (n, 2) in the map frame. ``graph``, ``submaps`` and ``victims`` are
-    given when they changed.
+    ``anchor``, ``anchor_from_base_covariance`` (3, 3) of it alone; ``goal_m`` and ``path_m`` (n, 2) in the
+    map frame. ``graph``, ``submaps`` and ``victims`` are given when they changed.
     """
 
     seq: int
@@ -265,3 +267,4 @@ class AgentUpdate:
     graph: GraphReport | None = None
     submaps: tuple[SubmapReport, ...] = ()
     victims: tuple[VictimEstimate, ...] = ()
+    anchor_from_base_covariance: Array | None = None

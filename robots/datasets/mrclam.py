@@ -3,7 +3,8 @@
 For robot N: ``odoN_t_ms`` (n,) and ``odoN_vw`` (n, 2) commanded velocities in m/s and rad/s; ``measN_t_ms``
 (m,), ``measN_subject`` (m,) and ``measN_rb`` (m, 2) range in metres and bearing of what its camera saw: robot
 1..5, a landmark's number from 6 on, or -1 where the barcode could not be read; ``gtN_t_ms``, ``gtN_xyth`` (k,
-3) where a motion capture system saw the robot. All stamps are milliseconds of one clock.
+3) where a motion capture system saw the robot; ``landmarks`` (l, 5) number, x, y and two deviations. All
+stamps are milliseconds of one clock.
 
 Measured against the motion capture, alike for all five robots, and so taken for properties of the hardware:
 
@@ -13,6 +14,8 @@ Measured against the motion capture, alike for all five robots, and so taken for
   turning): the velocities are multiplied by that, and what differs from robot to robot is left to the noise.
 * Velocities are logged at up to 100 Hz while they change and at least every second, so one that is more than
   a second old is no longer held.
+* A camera measures 0.985 times the range and 0.03 m more (0.964 to 1.009, -0.03 to +0.07 m): that is taken
+  back. Left in, it makes the map of the landmarks 1.5 % too small, which is most of their error.
 * Range errors are 3 to 5 % of the range; they and the bearings' (0.006 to 0.018 rad) stay the same for
   seconds, so that deviations have to be larger than their scatter.
 """
@@ -31,12 +34,14 @@ from numpy.typing import NDArray
 from robots.datasets.recording import RecordingError, array_names, load_arrays
 from robots.datasets.velocities import HeldVelocities, displacements
 from robots.se2 import Array
+from robots.team import StartPose
 from robots.trajectory import Trajectory
 from robots.types import Displacement, Observation, RobotSighting, TagSighting
 
 _ROBOTS = range(1, 6)  # subjects that are robots; landmarks have the numbers after them
 _MOTION_LAGS_MS, _SIGHTING_LAGS_MS = 240.0, 40.0
 _GAIN = 0.94
+_RANGE_GAIN, _RANGE_OFFSET_M = 0.985, 0.03  # of what the cameras measure
 _HOLD_S = 1.1
 _EVERY_S = 0.05  # velocities that follow faster are merged into one observation
 
@@ -76,6 +81,7 @@ class MrclamRecording:
     """Robots that drive among landmarks and see them, and each other, by range and bearing."""
 
     days: dict[str, _Day]
+    landmarks: dict[str, tuple[float, float]]
     name: str = "mrclam"
     truth_gap_s: float = 0.5
 
@@ -89,6 +95,14 @@ class MrclamRecording:
         """Overrides of ``AgentConfig`` for this hardware."""
         return _SETTINGS
 
+    def settings_of(self, robot_id: str) -> dict[str, Any]:
+        """Return the same: the robots are alike."""
+        return _SETTINGS
+
+    def start_pose(self, robot_id: str) -> StartPose | None:
+        """Return nothing: the map begins where the robot did."""
+        return None
+
     def length(self, robot_id: str) -> int:
         """Return the number of observations."""
         return len(self.days[robot_id].stamps_s)
@@ -100,6 +114,10 @@ class MrclamRecording:
     def truth(self, robot_id: str) -> Trajectory | None:
         """Return the path of the motion capture system."""
         return self.days[robot_id].truth
+
+    def tag_places(self) -> dict[str, tuple[float, float]]:
+        """Return where the motion capture system has the landmarks."""
+        return self.landmarks
 
     def observations(self, robot_id: str) -> Iterator[Observation]:
         """Yield one observation at each sighting, and between them one about every ``0.05 s``."""
@@ -142,7 +160,8 @@ def load(path: Path, virtual_tags_m: float | None = None) -> MrclamRecording:
     numbers = sorted(int(found[1]) for name in names if (found := re.fullmatch(r"odo([1-5])_t_ms", name)))
     if not numbers:
         raise RecordingError(f"{path} has no array 'odo1_t_ms'; it holds {', '.join(names)}")
-    return MrclamRecording({f"r{number}": _load_robot(path, number, names) for number in numbers})
+    days = {f"r{number}": _load_robot(path, number, names) for number in numbers}
+    return MrclamRecording(days, _landmarks(path, names))
 
 
 def _load_robot(path: Path, number: int, names: tuple[str, ...]) -> _Day:
@@ -174,9 +193,9 @@ def _sightings(path: Path, number: int) -> _Sightings:
         raise RecordingError(f"{path}: array {places!r} has to hold ranges of 0 m or more")
     stamps = (arrays[times].astype(np.float64) - _SIGHTING_LAGS_MS) / 1e3
     order = np.argsort(stamps, kind="stable")
-    return _Sightings(
-        stamps[order], arrays[subject].astype(np.int64)[order], arrays[places].astype(np.float64)[order]
-    )
+    seen = arrays[places].astype(np.float64)[order]
+    seen[:, 0] = np.maximum((seen[:, 0] - _RANGE_OFFSET_M) / _RANGE_GAIN, 0.0)
+    return _Sightings(stamps[order], arrays[subject].astype(np.int64)[order], seen)
 
 
 def _truth(path: Path, number: int, names: tuple[str, ...]) -> Trajectory | None:
@@ -188,6 +207,14 @@ def _truth(path: Path, number: int, names: tuple[str, ...]) -> Trajectory | None
     if not known.any():
         return None
     return Trajectory(arrays[times][known].astype(np.float64) / 1e3, arrays[poses][known].astype(np.float64))
+
+
+def _landmarks(path: Path, names: tuple[str, ...]) -> dict[str, tuple[float, float]]:
+    if "landmarks" not in names:
+        return {}
+    rows = load_arrays(path, {"landmarks": (None, 5)})["landmarks"].astype(np.float64)
+    known = np.isfinite(rows[:, :3]).all(axis=1)
+    return {f"L{subject:.0f}": (float(x), float(y)) for subject, x, y in rows[known, :3]}
 
 
 def _observed_at(moved_s: Array, seen_s: Array) -> Array:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robots.se2 import Array
+from robots.team import StartPose
 from robots.trajectory import Trajectory
 from robots.types import Observation
 
@@ -35,6 +36,12 @@ class Recording(Protocol):
     def settings(self) -> dict[str, Any]:
         """Overrides of ``AgentConfig`` that describe the hardware it was made with."""
 
+    def settings_of(self, robot_id: str) -> dict[str, Any]:
+        """Return the overrides for one robot, where they differ."""
+
+    def start_pose(self, robot_id: str) -> StartPose | None:
+        """Return where the robot started in the world, where that was surveyed."""
+
     def length(self, robot_id: str) -> int:
         """Return how many observations the robot made."""
 
@@ -46,6 +53,9 @@ class Recording(Protocol):
 
     def truth(self, robot_id: str) -> Trajectory | None:
         """Return where the robot really was, where someone knows."""
+
+    def tag_places(self) -> dict[str, tuple[float, float]]:
+        """Return where tags really are, where someone knows, in the truth's frame."""
 
     @property
     def truth_gap_s(self) -> float:

@@ -7,9 +7,9 @@ from math import atan2, cos, floor, hypot, inf, pi, sin
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
-from robots.estimation.local_map import CELL_M, fill
+from robots.estimation.local_map import thin
+from robots.estimation.nearest import CELL_M, MAX_POINTS, NOTHING, Index, nearest
 from robots.se2 import Array
 
 _BEARINGS = 360  # of the free space seen round the anchor
@@ -30,7 +30,7 @@ class Surface:
 
     points: Array
     normals: Array
-    index: NDArray[np.int32]
+    index: Index
     origin: Array
     sight_m: Array
 
@@ -39,12 +39,13 @@ def surface(points: Array, normals: Array) -> Surface:
     """Return the surface of points and normals, (n, 2)."""
     if not len(points):
         return Surface(points, normals, np.zeros((0, 0), np.int32), np.zeros(2), np.zeros(_BEARINGS))
-    low = np.floor((points.min(axis=0) - 0.5) / CELL_M) * CELL_M
-    size = np.ceil((points.max(axis=0) + 0.5 - low) / CELL_M).astype(int)
-    index = np.empty((size[1], size[0]), np.int32)
-    points, normals = points.copy(), normals.copy()
-    kept = fill(points, normals, low, index)
-    points, normals = points[:kept].copy(), normals[:kept].copy()
+    low = np.floor((points.min(axis=0) - 0.6) / CELL_M) * CELL_M
+    size = np.ceil((points.max(axis=0) + 0.6 - low) / CELL_M).astype(int)
+    index = np.full((size[1], size[0]), NOTHING, np.int32)
+    room = min(len(points), MAX_POINTS)
+    kept_points, kept_normals = np.empty((room, 2)), np.empty((room, 2))
+    kept = thin(points, normals, kept_points, kept_normals, 0, index, low)
+    points, normals = kept_points[:kept].copy(), kept_normals[:kept].copy()
     return Surface(points, normals, index, low, _sight(points))
 
 
@@ -82,7 +83,7 @@ def _explained(
     normals: Array,
     map_points: Array,
     map_normals: Array,
-    index: NDArray[np.int32],
+    index: Index,
     origin: Array,
     sight: Array,
 ) -> tuple[int, int]:
@@ -91,7 +92,7 @@ def _explained(
     for i in range(points.shape[0]):
         x = pose[0] + c * points[i, 0] - s * points[i, 1]
         y = pose[1] + s * points[i, 0] + c * points[i, 1]
-        k = _nearest(x, y, index, origin)
+        k = nearest(x, y, index, origin)
         if k >= 0 and hypot(x - map_points[k, 0], y - map_points[k, 1]) < _EXPLAINED_M:
             mx, my = c * normals[i, 0] - s * normals[i, 1], s * normals[i, 0] + c * normals[i, 1]
             unknown = (mx == 0.0 and my == 0.0) or (map_normals[k, 0] == 0.0 and map_normals[k, 1] == 0.0)
@@ -102,15 +103,6 @@ def _explained(
         if hypot(x, y) < sight[bearing] - _CLEAR_M:
             off += 1
     return on, off
-
-
-@njit(cache=True)
-def _nearest(x: float, y: float, index: NDArray[np.int32], origin: Array) -> int:
-    column = floor((x - origin[0]) / CELL_M)
-    row = floor((y - origin[1]) / CELL_M)
-    if row < 0 or column < 0 or row >= index.shape[0] or column >= index.shape[1]:
-        return -1
-    return int(index[row, column])
 
 
 def align(start: Array, target: Surface, source: Surface) -> tuple[Array, Array, int, float]:
@@ -130,11 +122,11 @@ def _align(
     start: Array,
     t_points: Array,
     t_normals: Array,
-    t_index: NDArray[np.int32],
+    t_index: Index,
     t_origin: Array,
     s_points: Array,
     s_normals: Array,
-    s_index: NDArray[np.int32],
+    s_index: Index,
     s_origin: Array,
 ) -> tuple[Array, Array, int, float]:
     pose = start.copy()
@@ -158,7 +150,7 @@ def _align(
                 if way == 0:  # into the target's frame
                     rx, ry = c * px - s * py, s * px + c * py
                     x, y = pose[0] + rx, pose[1] + ry
-                    k = _nearest(x, y, t_index, t_origin)
+                    k = nearest(x, y, t_index, t_origin)
                     if k < 0:
                         continue
                     dx, dy = x - t_points[k, 0], y - t_points[k, 1]
@@ -167,7 +159,7 @@ def _align(
                 else:  # into the source's frame
                     ux, uy = px - pose[0], py - pose[1]
                     x, y = c * ux + s * uy, -s * ux + c * uy
-                    k = _nearest(x, y, s_index, s_origin)
+                    k = nearest(x, y, s_index, s_origin)
                     if k < 0:
                         continue
                     dx, dy = x - s_points[k, 0], y - s_points[k, 1]

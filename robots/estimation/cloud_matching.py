@@ -13,9 +13,9 @@ from math import cos, pi, radians, sin
 
 import numpy as np
 
+from robots.estimation.alignment import covariance_of
 from robots.estimation.cloud_alignment import Surface, align, explained, surface
 from robots.estimation.cloud_search import peaks
-from robots.estimation.scan_matching import without_illusions
 from robots.se2 import Array, GaussianPose, Pose2, wrap
 
 REACH_M = 15.0  # points farther from the anchor are left out: there a degree is half a metre
@@ -131,11 +131,10 @@ def _overlap(pose: Array, target: Surface, source: Surface) -> tuple[float, floa
 
 
 def _covariance(best: _Candidate) -> Array:
-    sd = max(_POINT_SD_M, best.rms_m)
-    information = without_illusions(best.hessian, best.matched) / (sd**2 * _CORRELATED_POINTS)
+    sd_m = max(_POINT_SD_M, best.rms_m)
     bent = np.diag([_CLOUD_SD_M**2, _CLOUD_SD_M**2, _CLOUD_SD_RAD**2])
-    covariance = np.linalg.inv(information + np.diag([1e-2, 1e-2, 1e-1])) + bent
-    return np.asarray((covariance + covariance.T) / 2.0, np.float64)
+    covariance: Array = covariance_of(best.hessian, best.matched, sd_m, _CORRELATED_POINTS) + bent
+    return covariance
 
 
 def _same(a: Array, b: Array) -> bool:

@@ -60,7 +60,7 @@ def factorise(order: Order, equations: Equations, damping: float, factor: Array)
             depth -= 1
             t = waiting[depth]
             used -= _take(order, t, stack, used, front, size, at)
-        if not _eliminate(front, size, width, least):
+        if not eliminate_columns(front, size, width, least, False):
             return False
         to = order.panel_start[s]
         factor[to : to + width * size] = front[: width * size]
@@ -95,8 +95,12 @@ def _take(order: Order, child: int, stack: Array, used: int, front: Array, size:
 
 
 @njit(cache=True, fastmath=_ANY_ORDER)
-def _eliminate(front: Array, size: int, width: int, least: Array) -> bool:
-    """Eliminate the first ``width`` columns of the dense matrix, three at a time."""
+def eliminate_columns(front: Array, size: int, width: int, least: Array, spare: bool) -> bool:
+    """Eliminate the first ``width`` columns of the dense matrix, three at a time.
+
+    A pivot that is not above ``least`` ends it and gives False; if ``spare``, its direction, which nothing
+    measures, is left as it is instead.
+    """
     for k in range(0, width, 3):
         for c in range(k, k + 3):
             column = front[c * size : (c + 1) * size]
@@ -106,7 +110,10 @@ def _eliminate(front: Array, size: int, width: int, least: Array) -> bool:
                 for r in range(c, size):
                     column[r] -= factor * left[r]
             if not column[c] > least[c]:
-                return False
+                if not spare:
+                    return False
+                column[c:size] = 0.0
+                column[c] = 1.0
             root = 1.0 / sqrt(column[c])
             for r in range(c, size):
                 column[r] *= root

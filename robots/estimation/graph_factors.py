@@ -82,6 +82,18 @@ def link_error(a: Array, b: Array, measured: Array) -> tuple[float, float, float
 
 
 @njit(cache=True)
+def between_jacobian(a: Array, b: Array) -> Array:
+    """Return the Jacobian (3, 6) of vertex b seen from vertex a, by a and b: [-T S, T], eq. (J)."""
+    c, s = cos(a[2]), sin(a[2])
+    dx, dy = b[0] - a[0], b[1] - a[1]
+    J = np.zeros((3, 6))
+    J[0, 3], J[0, 4], J[1, 3], J[1, 4], J[2, 5] = c, s, -s, c, 1.0
+    J[:, :3] = -J[:, 3:]
+    J[0, 2], J[1, 2] = -s * dx + c * dy, -c * dx - s * dy
+    return J
+
+
+@njit(cache=True)
 def link_chi2(state: Array, pairs: IntArray, measured: Array, information: Array) -> Array:
     """Return e' Omega e of each link, (k,): their sum is g2o's chi2."""
     result = np.empty(len(pairs))

@@ -99,6 +99,26 @@ def assemble(problem: GraphProblem) -> tuple[Array, Factors]:
     return state, Factors(*found)
 
 
+def information_of(covariance: Array | None, information: Array | None) -> Array:
+    """Return the information matrix (3, 3) of an edge given by one of the two.
+
+    Raises:
+        GraphError: it is not finite, not symmetric, or not positive (semi)definite.
+    """
+    if (covariance is None) == (information is None):
+        raise GraphError("an edge has either a covariance or an information matrix")
+    kind = "covariance" if information is None else "information"
+    given = np.array(covariance if information is None else information, np.float64)
+    if given.shape != (3, 3) or not np.isfinite(given).all():
+        raise GraphError(f"the {kind} has to be 3 x 3 finite numbers")
+    found = np.zeros((3, 3)) if information is None else given
+    if not (_invert(given, found) if information is None else _semidefinite(given)):
+        raise GraphError(
+            f"the {kind} is not positive {'definite' if information is None else 'semidefinite'}"
+        )
+    return found
+
+
 @njit(cache=True)
 def _assemble(
     poses: Array,

@@ -101,7 +101,7 @@ class PoseTracker:
         if result is None and self._is_foreign(scan):
             self._lose()
         usable = points.far_fraction <= config.max_far_fraction and len(points.points) >= config.min_points
-        if usable and self._moved_since_insert():
+        if usable and not self._foreign and self._moved_since_insert():
             self._map.insert(self.local_from_base, points.points, points.normals)
             self._last_insert = self.local_from_base
         return self.matched

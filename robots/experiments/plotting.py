@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from robots.experiments.experiment import ExperimentError
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
+    from matplotlib.axes import Axes as Axes
 
 SUFFIXES = (".png", ".pdf", ".svg")
 

@@ -6,7 +6,7 @@ from typing import Self
 
 from pydantic import ConfigDict, Field, model_validator
 
-from db.records import AnnotationKind, VictimStatus
+from db.records import AnnotationKind, TagState, VictimStatus
 from server.schemas.common import Covariance, Metres, Name, Person, Wire
 
 
@@ -19,6 +19,11 @@ class TagOut(Wire):
     covariance: Covariance
     sightings: int
     robots: list[str]
+    state: TagState = Field(
+        description="`sound`; `moved`: lies here now; `cloned`: one of several of that id, the others end in"
+        " `#2` and so on; `doubtful`: a reading contradicted all others."
+    )
+    notice: str = Field(description="What is wrong with a tag that is not sound, else empty.")
 
 
 class TagsOut(Wire):

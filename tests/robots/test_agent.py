@@ -57,8 +57,8 @@ class Listener:
         self.heard.append(observation)
         return self.agent.step(observation)
 
-    def report(self) -> AgentUpdate:
-        return self.agent.report()
+    def smoothed(self) -> AgentUpdate:
+        return self.agent.smoothed()
 
 
 @lru_cache(maxsize=4)

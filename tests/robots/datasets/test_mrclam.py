@@ -1,6 +1,7 @@
 """The MRCLAM format: robots driven here without noise, odd and damaged files, and the real one."""
 
 from dataclasses import fields
+from functools import lru_cache
 from itertools import pairwise
 from pathlib import Path
 
@@ -35,6 +36,11 @@ def drive(t_ms: np.ndarray, vw: np.ndarray, at_ms: float) -> Pose2:
 
 
 def one_robot(number: int = 1) -> dict[str, np.ndarray]:
+    return {name: array.copy() for name, array in _driven(number).items()}
+
+
+@lru_cache
+def _driven(number: int) -> dict[str, np.ndarray]:
     t_ms = np.cumsum([1000, *([10, 20, 40, 10, 300, 10] * 20)])
     vw = told(t_ms)
     seen_ms = np.arange(t_ms[0] + 500, t_ms[-1], 700)
@@ -43,7 +49,7 @@ def one_robot(number: int = 1) -> dict[str, np.ndarray]:
     for at, subject in zip(seen_ms, subjects, strict=True):
         base = drive(t_ms, vw, at - 40)
         x, y = base.inverse().transform_point(*LANDMARKS.get(int(subject), (1.0, 1.0)))
-        seen.append([np.hypot(x, y), np.arctan2(y, x)])
+        seen.append([0.985 * np.hypot(x, y) + 0.03, np.arctan2(y, x)])  # as the cameras measure it
     truth_ms = np.arange(t_ms[0] + 240, t_ms[-1] + 240, 50)
     truth = [drive(t_ms, vw, at).as_array() for at in truth_ms]
     return {
@@ -111,6 +117,14 @@ def test_every_robot_of_the_file_is_there_with_its_truth(tmp_path):
     truth = recording.truth("r3")
     poses = Trajectory(recording.stamps_s("r3"), chain(recording, "r3"))
     assert absolute_error(poses, truth, recording.truth_gap_s).rmse_m < 1e-3
+
+
+def test_landmarks_are_known_where_the_file_has_them(tmp_path):
+    assert load(write(tmp_path)).tag_places() == {}
+    rows = np.array([[6, 2.0, 1.0, 0.0, 0.0], [7, np.nan, 3.0, 0.0, 0.0], [20, 4.0, -2.0, 0.1, 0.1]])
+    assert load(write(tmp_path, landmarks=rows)).tag_places() == {"L6": (2.0, 1.0), "L20": (4.0, -2.0)}
+    with pytest.raises(RecordingError, match="'landmarks' has shape"):
+        load(write(tmp_path, landmarks=rows[:, :3]))
 
 
 def test_the_settings_fit_the_agent(tmp_path):
