@@ -121,7 +121,7 @@ def draw(rows: list[Row], path: Path) -> None:
                     xytext=(0, -16), textcoords="offset points", ha="center", fontsize=8, color=plotting.GREY,
                 )  # fmt: skip
         panel.set_yscale("log")
-        panel.margins(x=0.18, y=0.15)
+        panel.margins(x=0.25, y=0.15)
         panel.set_xlabel("free floor of the map, m²")
         panel.set_ylabel("computing time, s")
         panel.legend(loc="center left")

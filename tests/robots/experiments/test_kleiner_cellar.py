@@ -1,5 +1,7 @@
 """The Intel recording with virtual tags: what can be said without replaying it, and its rows and plot."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from PIL import Image
@@ -7,6 +9,8 @@ from PIL import Image
 from robots.experiments import kleiner_cellar
 from robots.experiments.experiment import ExperimentError, Options
 from robots.experiments.kleiner_cellar import placed_from
+
+DATA = Path(__file__).parents[4] / "shared" / "data"
 
 
 def test_what_is_missing_is_named(tmp_path):
@@ -18,6 +22,28 @@ def test_what_is_missing_is_named(tmp_path):
     (tmp_path / "intel.relations").write_text("")
     with pytest.raises(ExperimentError, match="not an intact"):
         kleiner_cellar.measure(Options(1, data=tmp_path))
+
+
+@pytest.mark.data
+@pytest.mark.skipif(
+    not (DATA / kleiner_cellar.RECORDING).exists(), reason="the Intel recording is not part of the project"
+)
+def test_the_first_minutes_of_the_recording(tmp_path):
+    with np.load(DATA / kleiner_cellar.RECORDING) as whole:
+        np.savez(tmp_path / kleiner_cellar.RECORDING, **{name: whole[name][:160] for name in whole.files})
+    (tmp_path / kleiner_cellar.RELATIONS).write_text((DATA / kleiner_cellar.RELATIONS).read_text())
+    rows = kleiner_cellar.measure(Options(2, data=tmp_path), (2.0, None))
+    assert [(row["tag_spacing"], row["laser_loops"], row["runs"]) for row in rows] == [
+        ("2 m", False, 2),
+        ("no tags", False, 1),
+        ("2 m", True, 2),
+    ]
+    tags, none, _ = rows
+    assert tags["tags"] > 1.0
+    assert tags["sightings"] >= tags["tags"]
+    assert none["tags"] == none["sightings"] == 0.0
+    for row in rows:
+        assert 0.0 < row["final_relations_m"] < row["raw_odometry_relations_m"]
 
 
 def test_tags_are_sighted_where_they_lie_whatever_frame_the_first_is_at():

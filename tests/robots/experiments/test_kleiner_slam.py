@@ -14,12 +14,17 @@ TINY = (Building("small", 50.0, "office:50"),)
 
 
 def measure(runs=2, seed=0, jobs=1, **more):
-    return kleiner_slam.measure(Options(runs, seed, jobs, **more), TINY, levels=(2,), minutes=1.2, searches=1)
+    return kleiner_slam.measure(Options(runs, seed, jobs, **more), TINY, levels=(2,), minutes=0.8, searches=1)
 
 
 @pytest.fixture(scope="module")
-def rows():
-    return measure()
+def progress():
+    return []
+
+
+@pytest.fixture(scope="module")
+def rows(progress):
+    return measure(progress=lambda done, total: progress.append((done, total)))
 
 
 def test_a_row_for_each_method_with_units_in_the_names(rows):
@@ -58,11 +63,9 @@ def test_processes_change_nothing_and_seeds_do(rows):
     assert measure(runs=1, seed=1)[0]["odometry_trajectory_m"] != rows[0]["odometry_trajectory_m"]
 
 
-def test_progress_comes_to_its_end():
-    seen = []
-    measure(runs=1, progress=lambda done, total: seen.append((done, total)))
-    assert seen[-1] == (2, 2)
-    assert seen == sorted(seen)
+def test_progress_comes_to_its_end(rows, progress):
+    assert progress[-1] == (4, 4)
+    assert progress == sorted(progress)
 
 
 def test_the_plot_is_drawn(rows, tmp_path):
