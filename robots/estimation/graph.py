@@ -19,8 +19,9 @@ import numpy as np
 from numba import njit
 
 from robots.estimation.graph_cholesky import factorise, solve_factored
-from robots.estimation.graph_descent import descend, relaxed
+from robots.estimation.graph_descent import Descent, descend, relaxed
 from robots.estimation.graph_factors import (
+    BoolArray,
     Equations,
     Factors,
     Kernel,
@@ -32,6 +33,7 @@ from robots.estimation.graph_factors import (
 )
 from robots.estimation.graph_order import Order, order
 from robots.estimation.graph_problem import LOOSE, GraphError, GraphProblem, assemble
+from robots.estimation.graph_robust import believed, only
 from robots.estimation.graph_tree import along_tree
 from robots.se2 import Array, wrap_array
 from robots.types import IntArray
@@ -40,7 +42,8 @@ __all__ = ["GraphError", "GraphProblem", "GraphSolution", "Marginals", "solve"]
 
 # Gauss-Newton goes wrong where headings are: places are linear once those are right. They may be wrong with
 # no two neighbours contradicting each other much, as in a long chain; then the places contradict them.
-_HUBER_STEPS = 8  # enough to see which links nothing agrees with; it converges slowly where there are many
+_HUBER_STEPS, _MORE_STEPS = 8, 12  # Huber shows what nothing agrees with, and converges slowly
+_AGREEMENTS = 8
 _DOUBTFUL_RAD, _DOUBTFUL_SD, _TWISTED_RAD = 0.4, 10.0, 1.0
 
 
@@ -133,7 +136,8 @@ def solve(
     """Return the poses and tags that minimise eq. (5).
 
     Sightings and robust edges beyond ``kernel_sd`` deviations lose weight: first as Huber has it, then, where
-    some are left out there, by the redescending kernel, which lets go of what is wrong. The linear form keeps
+    some are left out there, by the redescending kernel, which lets go of what is wrong; of several starts the
+    one that ends lowest stands. The linear form keeps
     every heading as given and weighs displacements with the 2 x 2 covariance of the positions. Initial
     headings that contradict the edges are replaced by those of the chordal relaxation, and all places with
     them; ``relaxed`` does so always, with the linear form too. The descent ends when a step promises to lower
@@ -148,21 +152,21 @@ def solve(
     huber, last = Kernel(float(kernel_sd), False), Kernel(float(kernel_sd), kernel == "redescending")
     parts = _storage(len(state), factors)
     steps = 1 if linear else max_iterations
+    edges_robust = bool(factors.robust[: factors.tags_from].any())
 
-    def lowest(begin: Array) -> tuple[Array, float, float, int, float]:
+    def descent(begin: Array, kernel: Kernel, most: int) -> Descent:
         frame, equations, factor = parts
-        first = steps if kernel == "huber" or linear else min(steps, _HUBER_STEPS)
-        found: tuple[Array, float, float, int, float] = descend(
-            begin, factors, equations, frame, factor, huber, linear, first, tolerance
-        )
-        state, before, _, taken, damping = found
-        if last.redescends and np.isfinite(damping) and not linear and taken < steps:
-            inside = not beyond(state, factors, kernel_sd)
-            if inside and taken < first:
-                return found
-            again = descend(state, factors, equations, frame, factor, last, linear, steps - taken, tolerance)
-            return again[0], before, again[2], taken + again[3], again[4]
-        return found
+        return Descent(*descend(begin, factors, equations, frame, factor, kernel, linear, most, tolerance))
+
+    def lowest(begin: Array) -> Descent:
+        if linear or not last.redescends:
+            return descent(begin, huber, steps)
+        first = descent(begin, huber, min(steps, _HUBER_STEPS))
+        outside = np.isfinite(first.damping) and beyond(first.state, factors, kernel_sd)
+        if not outside and first.steps < _HUBER_STEPS:
+            return first
+        then = descent(first.state, last, max(steps - first.steps, 1) if not edges_robust else _MORE_STEPS)
+        return then._replace(before=first.before, steps=first.steps + then.steps)
 
     initial: float | None = None
     begin = state
@@ -171,32 +175,76 @@ def solve(
         better, there = relaxed(state, factors, parts[1], parts[0], parts[2])
         if there and (linear or linearise(better, factors, parts[1], huber, False) < initial):
             begin = better
-    found, before, chi2, iterations, damping = lowest(begin)
-    if initial is not None and not linear and largest_turn(found, factors) > _TWISTED_RAD:
+    best = lowest(begin)
+    before = best.before if initial is None else initial
+    if not linear and last.redescends and beyond(best.state, factors, kernel_sd):
+        # Huber may have been drawn away by what is wrong: descend from the start itself, and from what those
+        # edges say that agree with each other, as long as that leads lower.
+        best = _lower(best, descent(state, last, steps))
+        kept = believed(problem, kernel_sd) if edges_robust else None
+        for _ in range(_AGREEMENTS):
+            agreed = None if kept is None else _solution_of(problem, kept, state, kernel_sd)
+            if kept is None or agreed is None:
+                break
+            then, chi2 = descent(agreed, last, steps), best.chi2
+            kept = ~factors.robust[: len(kept)] | (_distances(then.state, factors)[: len(kept)] < kernel_sd)
+            best = _lower(best, then)
+            if not best.chi2 < chi2 * (1.0 - 1e-6):
+                break
+    if (
+        initial is not None
+        and not linear
+        and not edges_robust
+        and largest_turn(best.state, factors) > _TWISTED_RAD
+    ):
         # Twisted still: some edges are wrong, or this is not the lowest of the minima. Try other starts.
         others = [along_tree(state, factors)] + ([state] if begin is not state else [])
-        for other in others:
-            again = lowest(other)
-            if np.isfinite(again[4]) and (again[2] < chi2 or not np.isfinite(damping)):
-                found, _, chi2, iterations, damping = again
+        best = _lower(best, *(lowest(other) for other in others))
+    found, damping = best.state, best.damping
     if not np.isfinite(damping) or not np.isfinite(found).all():
         raise GraphError(LOOSE)
     notes = ("a direction that nothing measures was left as it was given",) if damping else ()
     n = len(problem.poses)
     poses = found[:n].copy()
     poses[:, 2] = wrap_array(poses[:, 2])
-    away = np.sqrt(np.maximum(link_chi2(found, factors.pairs, factors.measured, factors.information), 0.0))
+    away = _distances(found, factors)
     return GraphSolution(
         poses=poses,
         tags=found[n:, :2].copy(),
-        chi2_initial=before if initial is None else initial,
-        chi2=chi2,
-        iterations=iterations,
+        chi2_initial=before,
+        chi2=best.chi2,
+        iterations=best.steps,
         edge_residuals=away[: factors.tags_from],
         sighting_residuals=away[factors.tags_from :],
         marginals=Marginals(found, factors, last, linear, damping),
         notes=notes,
     )
+
+
+def _distances(state: Array, factors: Factors) -> Array:
+    """Return how many deviations each link (k,) is from what was measured."""
+    squares = link_chi2(state, factors.pairs, factors.measured, factors.information)
+    return np.asarray(np.sqrt(np.maximum(squares, 0.0)))
+
+
+def _solution_of(problem: GraphProblem, kept: BoolArray, state: Array, kernel_sd: float) -> Array | None:
+    """Return the solution (n + m, 3) for those edges alone, if they hold the graph together."""
+    try:
+        there = solve(only(problem, kept), kernel_sd=kernel_sd, start="relaxed", kernel="huber")
+    except GraphError:
+        return None
+    begin = state.copy()
+    begin[: len(there.poses)], begin[len(there.poses) :, :2] = there.poses, there.tags
+    return begin
+
+
+def _lower(best: Descent, *others: Descent) -> Descent:
+    """Return the descent that ended lowest, and the steps of all."""
+    steps = best.steps + sum(other.steps for other in others)
+    for other in others:
+        if np.isfinite(other.damping) and (other.chi2 < best.chi2 or not np.isfinite(best.damping)):
+            best = other
+    return best._replace(steps=steps)
 
 
 def _doubtful(state: Array, factors: Factors, equations: Equations, kernel: Kernel) -> bool:

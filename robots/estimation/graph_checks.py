@@ -12,7 +12,7 @@ from robots.estimation.graph_fronts import joint_covariance
 from robots.estimation.graph_panels import Links, Panels, Vertices
 from robots.types import IntArray
 
-_SETTLED = 0.02  # a weight that changes by less stays
+SETTLED = 0.02  # a weight that changes by less stays, one that is less counts for nothing
 _BELIEVED = 0.5
 _ALONE = 1e-6  # share of a link that others measure too: below it none does
 _ENDS = np.array([[0, 1]])
@@ -70,8 +70,13 @@ def _weight(square: float, kernel_sd: float) -> float:
 
 
 @njit(cache=True)
-def weigh_again(vertices: Vertices, links: Links, changed: IntArray, kernel_sd: float) -> IntArray:
-    """Weigh the robust links of vertices that changed by their residuals; return the vertices concerned."""
+def weigh_again(
+    vertices: Vertices, links: Links, changed: IntArray, kernel_sd: float, least: float
+) -> IntArray:
+    """Weigh the robust links of vertices that changed by their residuals.
+
+    Return the vertices of those whose weight changed by more than ``least``.
+    """
     concerned = np.zeros(len(vertices.panel), np.bool_)
     for v in changed:
         k = vertices.link[v]
@@ -82,7 +87,7 @@ def weigh_again(vertices: Vertices, links: Links, changed: IntArray, kernel_sd: 
                 one = slice(k, k + 1)
                 square = link_chi2(estimates, _ENDS, links.measured[one], links.information[one])[0]
                 weight = _weight(square, kernel_sd)
-                if abs(weight - links.weight[k]) > _SETTLED:
+                if abs(weight - links.weight[k]) > least:
                     links.weight[k] = weight
                     concerned[a] = concerned[b] = True
             k = links.following[k, 0 if a == v else 1]
@@ -111,19 +116,18 @@ def innovation(vertices: Vertices, links: Links, panels: Panels, k: int) -> floa
     return float(np.sum(along**2 / (left * (left + known[heard]))))
 
 
-def weigh_new(
-    vertices: Vertices, links: Links, panels: Panels, first: int, count: int, kernel_sd: float
-) -> IntArray:
-    """Weigh robust links ``first`` to ``count`` - 1 by innovation; return the vertices of those doubted."""
-    doubted: list[int] = []
-    for k in range(first, count):
-        a, b = links.pairs[k].tolist()
-        if links.robust[k] and a != b:
-            weight = _weight(innovation(vertices, links, panels, k), kernel_sd)
-            if abs(weight - links.weight[k]) > _SETTLED:
-                links.weight[k] = weight
-                doubted += (a, b)
-    return np.array(doubted, np.int64)
+def believable(
+    vertices: Vertices, links: Links, panels: Panels, waiting: list[int], kernel_sd: float
+) -> list[int]:
+    """Weigh robust links that are not yet part of the graph; return those that are worth anything."""
+    found: list[int] = []
+    for k in waiting:
+        links.weight[k] = 0.0
+        weight = _weight(innovation(vertices, links, panels, k), kernel_sd)
+        if weight > SETTLED:
+            links.weight[k] = weight
+            found.append(k)
+    return found
 
 
 def doubt_worst(vertices: Vertices, links: Links, panels: Panels, count: int, kernel_sd: float) -> IntArray:

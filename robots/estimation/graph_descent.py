@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from math import atan2, cos, pi, sin
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
@@ -15,6 +16,16 @@ from robots.se2 import Array
 _FIRST_DAMPING, _MOST_DAMPING = 1e-6, 1e12
 _NOTHING = 1e-16  # of W: what rounding leaves of nothing
 _REUSE = 0.5  # a factor serves again while what is left to gain falls to this share of it
+
+
+class Descent(NamedTuple):
+    """What ``descend`` returns."""
+
+    state: Array
+    before: float
+    chi2: float
+    steps: int
+    damping: float
 
 
 @njit(cache=True)

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from robots.estimation.graph_checks import bent, doubt_worst, weigh_again, weigh_new
+from robots.estimation.graph_checks import SETTLED, believable, bent, doubt_worst, weigh_again
 from robots.estimation.graph_factors import between_jacobian, link_chi2
 from robots.estimation.graph_fronts import eliminate, joint_covariance, substitute
 from robots.estimation.graph_panels import (
@@ -59,7 +59,9 @@ class IncrementalGraph:
         self._anchors = Anchors(np.zeros((_FEW, 3)), np.zeros((_FEW, 3)), np.full(_FEW, -1))
         self._panels = no_panels(_FEW)
         self._count, self._link_count, self._anchor_count = 0, 0, 0
-        self._solved, self._links_solved = 0, 0
+        self._solved = 0
+        self._unheard: list[int] = []  # robust links since the last update
+        self._refused: list[int] = []
         self._touched: list[int] = []
         self._bent: list[int] = []
         self._pose_vertex: list[int] = []
@@ -131,12 +133,12 @@ class IncrementalGraph:
         """
         if not all(self._held[self._root_of(v)] for v in range(self._solved, self._count)):
             raise GraphError(LOOSE)
-        old, first = self._solved, self._links_solved
+        old = self._solved
         bent_before = np.array(self._bent, np.int64)
         touched = np.array(self._touched, np.int64)
-        self._touched, self._bent, self._solved, self._links_solved = [], [], self._count, self._link_count
+        self._touched, self._bent, self._solved = [], [], self._count
         concerned = np.concatenate([touched, move(self._vertices, self._links, bent_before)])
-        self._descend(concerned, old, first, self._bend_sd, self._pass_sd, _ROUNDS)
+        self._descend(concerned, old, self._bend_sd, self._pass_sd, _ROUNDS)
 
     def settle(self, rounds: int = 50) -> None:
         """Descend until nothing moves any more: the estimate is then that of a batch solution."""
@@ -145,9 +147,20 @@ class IncrementalGraph:
         for _ in range(rounds):
             before = self._squares().sum()
             move(self._vertices, self._links, everything)
-            self._descend(everything, self._count, self._link_count, np.inf, 0.0, 1)
+            self._descend(everything, self._count, np.inf, 0.0, 1, 0.0)
             if abs(self._squares().sum() - before) <= 1e-9 * before:
-                break
+                refused, self._refused = self._refused, []
+                if not self._hear(refused):
+                    break
+                self._touched = []  # everything is eliminated anew in any case
+
+    def _hear(self, waiting: list[int]) -> bool:
+        """Make those robust links part of the graph that all others allow; say whether there are any."""
+        found = believable(self._vertices, self._links, self._panels, waiting, self._kernel_sd)
+        for k in found:
+            self._join(k)
+        self._refused += sorted(set(waiting) - set(found))
+        return len(found) > 0
 
     def doubt(self) -> bool:
         """Let go of the robust link that all others contradict the most; say whether there was one.
@@ -158,21 +171,26 @@ class IncrementalGraph:
         self.update()
         doubted = doubt_worst(self._vertices, self._links, self._panels, self._link_count, self._kernel_sd)
         if len(doubted):
-            self._descend(doubted, self._count, self._link_count, self._bend_sd, self._pass_sd, _ROUNDS)
+            self._descend(doubted, self._count, self._bend_sd, self._pass_sd, _ROUNDS)
         return len(doubted) > 0
 
     def _descend(
-        self, concerned: IntArray, old: int, first: int, bend_sd: float, pass_sd: float, rounds: int
+        self,
+        concerned: IntArray,
+        old: int,
+        bend_sd: float,
+        pass_sd: float,
+        rounds: int,
+        least: float = SETTLED,
     ) -> None:
         """Eliminate anew what is concerned, then what that bends or lets be doubted, while it is urgent."""
         for k in range(rounds):
             changed = self._rebuild(concerned, old, pass_sd)
-            if k == 0 and first < self._link_count:
-                doubted = weigh_new(
-                    self._vertices, self._links, self._panels, first, self._link_count, self._kernel_sd
-                )
-            else:
-                doubted = weigh_again(self._vertices, self._links, changed, self._kernel_sd)
+            doubted = weigh_again(self._vertices, self._links, changed, self._kernel_sd, least)
+            if self._unheard:
+                self._hear(self._unheard)
+                doubted = np.concatenate([doubted, np.array(self._touched, np.int64)])
+                self._unheard, self._touched = [], []
             crooked, worst = bent(self._vertices, self._links, changed, bend_sd)
             urgent = len(doubted) > 0 or worst > _URGENT_SD
             if k == rounds - 1 or not urgent:
@@ -183,6 +201,16 @@ class IncrementalGraph:
                 np.concatenate([doubted, move(self._vertices, self._links, crooked)]),
                 self._count,
             )
+
+    def pose(self, i: int) -> Array:
+        """Return the estimate (3,) of one pose."""
+        v = _named(self._pose_vertex, i, "pose")
+        return np.asarray(self._vertices.state[v] + self._vertices.step[v])
+
+    @property
+    def edge_weights(self) -> Array:
+        """How much each edge (k,) is believed, 0 to 1, as added."""
+        return self._links.weight[np.array(self._edges, np.int64)]
 
     @property
     def poses(self) -> Array:
@@ -293,21 +321,30 @@ class IncrementalGraph:
         k = self._link_count
         if k == len(self._links.robust):
             self._links = Links(*(_longer(array, 2 * k) for array in self._links))
-        links, heads = self._links, self._vertices.link
+        links = self._links
         links.pairs[k] = a, b
         links.measured[k], links.information[k], links.robust[k] = measured, information, robust
         links.weight[k] = 1.0
         self._link_count += 1
         if a == b:
             return  # the error is what it is, nothing moves it
+        if robust and self._root_of(a) == self._root_of(b):
+            self._unheard.append(k)  # it must not bend others before it is held against them
+        else:
+            self._join(k)
+            if information.any():
+                a, b = self._root_of(a), self._root_of(b)
+                self._root[max(a, b)] = min(a, b)
+                self._held[min(a, b)] = self._held[a] or self._held[b]
+
+    def _join(self, k: int) -> None:
+        """Make a link part of the graph."""
+        links, heads = self._links, self._vertices.link
+        a, b = links.pairs[k].tolist()
         links.following[k] = heads[a], heads[b]
         heads[a] = heads[b] = k
         self._touch(a)
         self._touch(b)
-        if information.any():
-            a, b = self._root_of(a), self._root_of(b)
-            self._root[max(a, b)] = min(a, b)
-            self._held[min(a, b)] = self._held[a] or self._held[b]
 
     def _add_anchor(self, v: int, values: Sequence[float], weights: Sequence[float]) -> None:
         k = self._anchor_count

@@ -135,6 +135,43 @@ class Graphs:
             heading_sd_rad=np.full(len(known), 0.03),
         )
 
+    @staticmethod
+    def city(rng: np.random.Generator, count: int, turn_sd: float = 0.03) -> tuple[GraphProblem, np.ndarray]:
+        """A walk along the streets of a grid that closes a loop wherever it comes by again, and its truth."""
+        here, walk = Pose2(), [Pose2()]
+        for _ in range(count - 1):
+            turn = float(rng.choice([0.0, 0.0, pi / 2, -pi / 2]))
+            ahead = here @ Pose2(1.0, 0.0, turn)
+            if max(abs(ahead.x), abs(ahead.y)) > 6.0:  # the edge of town
+                ahead = here @ Pose2(0.0, 0.0, pi / 2)
+            here = ahead
+            walk.append(here)
+        truth = np.array([pose.as_array() for pose in walk])
+        pairs = [(k, k + 1) for k in range(count - 1)]
+        at: dict[tuple[int, int], int] = {}
+        for k, (x, y, _) in enumerate(truth):
+            place = (round(x), round(y))
+            if place in at and k - at[place] > 4:
+                pairs.append((at[place], k))
+            at[place] = k
+        sd = np.array([0.05, 0.05, turn_sd])
+        measured = np.array([walk[i].between(walk[j]).as_array() for i, j in pairs])
+        measured += sd * rng.standard_normal(measured.shape)
+        none = np.zeros(0)
+        return GraphProblem(
+            poses=truth,
+            tags=none,
+            edge_pairs=np.array(pairs),
+            edge_poses=measured,
+            edge_covariances=np.tile(np.diag(sd**2), (len(pairs), 1, 1)),
+            sighting_pairs=none,
+            sighting_offsets=none,
+            sighting_covariances=none,
+            prior_index=np.zeros(1, np.int64),
+            prior_poses=truth[:1],
+            prior_sds=np.full((1, 3), 0.01),
+        ), truth
+
 
 @pytest.fixture
 def graphs() -> type[Graphs]:

@@ -16,43 +16,6 @@ from robots.se2 import Pose2, wrap_array
 REAL = Path(__file__).parents[4] / "shared" / "data" / "posegraph"
 
 
-def city(rng: np.random.Generator, count: int, turn_sd: float = 0.03) -> tuple[GraphProblem, np.ndarray]:
-    """A walk along the streets of a grid that closes a loop wherever it comes by again, and its truth."""
-    here, walk = Pose2(), [Pose2()]
-    for _ in range(count - 1):
-        turn = float(rng.choice([0.0, 0.0, pi / 2, -pi / 2]))
-        ahead = here @ Pose2(1.0, 0.0, turn)
-        if max(abs(ahead.x), abs(ahead.y)) > 6.0:  # the edge of town
-            ahead = here @ Pose2(0.0, 0.0, pi / 2)
-        here = ahead
-        walk.append(here)
-    truth = np.array([pose.as_array() for pose in walk])
-    pairs = [(k, k + 1) for k in range(count - 1)]
-    at: dict[tuple[int, int], int] = {}
-    for k, (x, y, _) in enumerate(truth):
-        place = (round(x), round(y))
-        if place in at and k - at[place] > 4:
-            pairs.append((at[place], k))
-        at[place] = k
-    sd = np.array([0.05, 0.05, turn_sd])
-    measured = np.array([walk[i].between(walk[j]).as_array() for i, j in pairs])
-    measured += sd * rng.standard_normal(measured.shape)
-    none = np.zeros(0)
-    return GraphProblem(
-        poses=truth,
-        tags=none,
-        edge_pairs=np.array(pairs),
-        edge_poses=measured,
-        edge_covariances=np.tile(np.diag(sd**2), (len(pairs), 1, 1)),
-        sighting_pairs=none,
-        sighting_offsets=none,
-        sighting_covariances=none,
-        prior_index=np.zeros(1, np.int64),
-        prior_poses=truth[:1],
-        prior_sds=np.full((1, 3), 0.01),
-    ), truth
-
-
 def bad_starts(rng: np.random.Generator, problem: GraphProblem) -> dict[str, np.ndarray]:
     n = len(problem.poses)
     state, factors = assemble(problem)
@@ -69,9 +32,9 @@ def bad_starts(rng: np.random.Generator, problem: GraphProblem) -> dict[str, np.
 
 
 @pytest.mark.parametrize("seed", range(8))
-def test_every_bad_start_ends_where_the_truth_would(seed):
+def test_every_bad_start_ends_where_the_truth_would(graphs, seed):
     rng = np.random.default_rng([50, seed])
-    problem, truth = city(rng, 400)
+    problem, truth = graphs.city(rng, 400)
     best = solve(problem, max_iterations=100)
     assert best.chi2 < 3.0 * (3 * len(problem.edge_pairs))  # what it should be, about one a number measured
     for name, start in bad_starts(rng, problem).items():
@@ -129,10 +92,10 @@ def test_tags_find_their_places_from_a_scrambled_start(graphs):
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_edges_that_measure_only_some_directions_leave_an_optimum(seed):
+def test_edges_that_measure_only_some_directions_leave_an_optimum(graphs, seed):
     """No heading, or only one axis, where other edges make up for it: from the truth and from a bad start."""
     rng = np.random.default_rng([53, seed])
-    problem, _ = city(rng, 120)
+    problem, _ = graphs.city(rng, 120)
     information = np.linalg.inv(problem.edge_covariances)
     information[119::3, 2, :] = information[119::3, :, 2] = 0.0
     information[120::3] = np.diag([400.0, 0.0, 1000.0])
