@@ -14,10 +14,10 @@ _CURVES = (
     (True, "final", "laser loops, final", plotting.BLUE, "o", "-"),
 )
 _MARKS = (
-    ("raw_odometry_relations_m", "raw odometry", plotting.VERMILION, 1.0),
-    ("reference_relations_m", "reference path, on these stamps", plotting.GREY, 1.0),
-    ("rbpf_relations_m", "RBPF, published", plotting.BLACK, 1.0),
-    ("graph_mapping_relations_m", "graph mapping, published", plotting.BLACK, 1.0),
+    ("raw_odometry_relations_m", "raw odometry", plotting.VERMILION),
+    ("reference_relations_m", "reference path", plotting.GREY),
+    ("rbpf_relations_m", "RBPF", plotting.BLACK),
+    ("graph_mapping_relations_m", "graph mapping", plotting.BLACK),
 )
 
 
@@ -25,14 +25,14 @@ def draw(rows: list[Row], path: Path) -> None:
     """Draw online and final errors, with and without laser loops, and what others reached as lines."""
     spacings = list(dict.fromkeys(str(row["tag_spacing"]) for row in rows))
     title = "Intel Research Lab with virtual tags (for Kleiner 2006, figure 6)"
-    with plotting.figure(path, rows=1, columns=1, width_in=7.2, height_in=4.6, title=title) as axes:
+    with plotting.figure(path, rows=1, columns=1, width_in=8.6, height_in=4.6, title=title) as axes:
         panel = axes[0][0]
-        for name, label, colour, _ in _MARKS:
+        for name, label, colour in _MARKS:
             value = finite(rows[0], name)
             panel.axhline(value, color=colour, linestyle=":", linewidth=1.0)
             panel.annotate(
-                f"{label}: {value:.3f} m", (len(spacings) - 0.45, value), xytext=(0, 2),
-                textcoords="offset points", ha="right", fontsize=7.5, color=colour,
+                f"{label}: {value:.3f} m", (1.0, value), xycoords=("axes fraction", "data"), xytext=(4, 0),
+                textcoords="offset points", va="center", fontsize=7.5, color=colour, annotation_clip=False,
             )  # fmt: skip
         for laser, kind, label, colour, marker, style in _CURVES:
             chosen = [row for row in rows if row["laser_loops"] is laser]
@@ -50,4 +50,4 @@ def draw(rows: list[Row], path: Path) -> None:
         panel.set_xlim(-0.4, len(spacings) - 0.4)
         panel.set_xlabel("a tag every")
         panel.set_ylabel("mean translational error of the relations, m")
-        panel.legend(loc="upper left", ncols=2)
+        panel.legend(loc="center", bbox_to_anchor=(0.4, 0.72), ncols=2)

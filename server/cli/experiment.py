@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from robots.experiments.experiment import Experiment, Row, Value
 
 _MOST_RUNS, _MOST_JOBS = 100_000, 256
+_FILE_WIDTH = 200  # of a table that is not printed on a terminal
 
 
 def experiment(
@@ -115,13 +116,16 @@ def _print(chosen: Experiment, rows: list[Row]) -> None:
         is_text = any(isinstance(row.get(column.value), str) for row in rows)
         table.add_column(column.title, justify="left" if is_text else "right")
     for row in rows:
+        once = row.get("runs") == 1  # then there is no deviation
         table.add_row(
             *(
-                _text(row.get(column.value), row.get(column.deviation or ""), column.digits)
+                _text(row.get(column.value), None if once else row.get(column.deviation or ""), column.digits)
                 for column in chosen.columns
             )
         )
     console = Console()
+    if not console.is_terminal:
+        console = Console(width=_FILE_WIDTH)
     console.print(table)
     for note in chosen.notes:
         console.print(note)
