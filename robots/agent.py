@@ -170,8 +170,8 @@ class RobotAgent:
         return self._slam
 
     def _wheels_slip(self, observation: Observation) -> bool:
-        if self._slip is None:
-            return False
+        if self._slip is None or observation.imu is None:
+            return False  # the wheels' turn would be lost with their distance: measured, that is worse
         told = None if self._update is None else self._update.command
         in_force = Command() if observation.held else told
         return self._slip.observe(observation.stamp_s, observation.odometry, observation.imu, in_force)

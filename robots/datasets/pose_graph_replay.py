@@ -1,8 +1,8 @@
 """A pose graph as a recording: its poses come one at a time, each with the edges to those before it.
 
-A graph has been measured already: there is no sensor for an agent to read, so none runs here. What an agent
-would do with it is what is done: the newest pose is reckoned along its edge from the one before, and the
-graph so far is solved when an edge closes a loop.
+A graph has been measured already: there is no sensor for an agent to read, so none runs here. The newest
+pose is reckoned along its edge from the one before, and the graph is solved as it grows, after every pose; at
+the end all of it once more.
 """
 
 from __future__ import annotations
@@ -17,11 +17,12 @@ import numpy as np
 
 from robots.datasets.g2o import PoseGraph
 from robots.estimation.graph import GraphSolution, solve
+from robots.estimation.graph_incremental import IncrementalGraph
 from robots.se2 import Array, Pose2, wrap_array
 from robots.trajectory import Trajectory
 from robots.types import IntArray
 
-_GROWTH = 1.05  # a loop is solved when the graph has grown so much since the last: total work stays linear
+_HELD_SD = 1e-4  # m and rad: what holds a piece where it began
 _TOLERANCE = 1e-6  # of chi2
 
 
@@ -98,8 +99,8 @@ class _Run:
         self._slam = slam
         self._there = np.zeros(len(ids), np.bool_)
         self._waiting: set[int] = set()
-        self._loop_is_new = False
-        self._solved_at = 0
+        self._growing = IncrementalGraph()
+        self._index: dict[int, int] = {}  # of a vertex in the growing graph
         self.poses = graph.poses.copy()
         self.online = graph.poses.copy()
         self.reckoned = graph.poses.copy()
@@ -107,14 +108,17 @@ class _Run:
         self.notes: tuple[str, ...] = ()
 
     def arrive(self, vertex: int) -> None:
-        """Put in a vertex, with those that waited for it, and solve when there is a new loop."""
+        """Put in a vertex, with those that waited for it, and solve the graph so far."""
         self._waiting.add(vertex)
         if self._there.any() and not self._place(vertex):
             return
-        self._put(vertex)
-        if self._loop_is_new and self._there.sum() >= _GROWTH * self._solved_at:
-            self._solve()
-        self.online[vertex] = self.poses[vertex]
+        came = self._put(vertex)
+        if self._slam == "tag-graph":
+            self._growing.update()
+            self.solves += 1
+            for each in came:
+                self.poses[each] = self._growing.pose(self._index[each])
+        self.online[came] = self.poses[came]
 
     def finish(self, order: list[int]) -> None:
         """Begin what nothing joined where the file has it, and solve the whole."""
@@ -124,21 +128,33 @@ class _Run:
         if self._slam == "tag-graph":
             self._solve()
 
-    def _put(self, vertex: int) -> None:
+    def _put(self, vertex: int) -> list[int]:
+        """Put in a vertex and those that waited for it; return all of them."""
+        came = []
         queue = deque([vertex])
         while queue:
             here = queue.popleft()
             if here not in self._waiting:
                 continue
             self._waiting.discard(here)
+            known = [edge for edge in self._edges_of[here] if self._there[self._other(edge, here)]]
             self._there[here] = True
-            self.online[here] = self.poses[here]
+            self._grow(here, known)
+            came.append(here)
             for edge in self._edges_of[here]:
                 other = self._other(edge, here)
-                if self._there[other]:
-                    self._loop_is_new |= bool(self.closes[edge])
-                elif other in self._waiting and self._place(other):
+                if other in self._waiting and self._place(other):
                     queue.append(other)
+        return came
+
+    def _grow(self, vertex: int, edges: list[int]) -> None:
+        self._index[vertex] = self._growing.add_pose(self.poses[vertex])
+        if not edges or vertex in self._graph.held:
+            self._growing.add_prior(self._index[vertex], self.poses[vertex], [_HELD_SD] * 3)
+        for edge in edges:
+            i, j = (self._index[int(end)] for end in self._graph.pairs[edge])
+            information = self._graph.information[edge]
+            self._growing.add_edge(i, j, self._graph.measured[edge], information=information)
 
     def _place(self, vertex: int) -> bool:
         """Reckon a vertex along an edge from one that is there, best that of the id before."""
@@ -147,6 +163,8 @@ class _Run:
             return False
         edge = min(known, key=lambda k: bool(self.closes[k]))
         other = self._other(edge, vertex)
+        if self._slam == "tag-graph":
+            self.poses[other] = self._growing.pose(self._index[other])
         measured = Pose2.from_array(self._graph.measured[edge])
         between = measured if self._graph.pairs[edge, 1] == vertex else measured.inverse()
         self.poses[vertex] = (Pose2.from_array(self.poses[other]) @ between).as_array()
@@ -158,6 +176,8 @@ class _Run:
         return int(second if first == vertex else first)
 
     def _solve(self) -> None:
+        for vertex, index in self._index.items():
+            self.poses[vertex] = self._growing.pose(index)
         there = np.flatnonzero(self._there)
         row = np.full(len(self._there), -1)
         row[there] = np.arange(len(there))
@@ -180,5 +200,4 @@ class _Run:
             self.poses[there, :2] = back.transform(solution.poses[:, :2])
             self.poses[there, 2] = wrap_array(solution.poses[:, 2] + back.theta)
         self.notes = (*pieces, *solution.notes)
-        self._loop_is_new, self._solved_at = False, len(there)
         self.solves += 1
