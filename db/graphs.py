@@ -79,38 +79,61 @@ def _vertices(graph: GraphReport) -> list[dict[str, Any]]:
 
 
 def _edges(graph: GraphReport) -> list[dict[str, Any]]:
-    displacements = zip(
-        graph.edge_pairs.tolist(), graph.edge_poses.tolist(), graph.edge_covariances, strict=True
-    )
-    sightings = zip(
-        graph.sighting_pairs.tolist(),
-        graph.sighting_offsets.tolist(),
-        graph.sighting_covariances,
-        strict=True,
-    )
     rows = [
-        _edge("displacement", number, pair, pose, covariance)
-        for number, (pair, pose, covariance) in enumerate(displacements)
+        _edge("displacement", k, pair, pose, covariance)
+        for k, (pair, pose, covariance) in enumerate(
+            zip(graph.edge_pairs, graph.edge_poses, graph.edge_covariances, strict=True)
+        )
     ]
     rows += [
-        _edge("sighting", number, pair, [*offset, None], covariance)
-        for number, (pair, offset, covariance) in enumerate(sightings)
+        _edge("loop", k, pair, pose, covariance)
+        for k, (pair, pose, covariance) in enumerate(
+            zip(graph.loop_pairs, graph.loop_poses, graph.loop_covariances, strict=True)
+        )
+    ]
+    rows += [
+        _edge("sighting", k, pair, offset, covariance)
+        for k, (pair, offset, covariance) in enumerate(
+            zip(graph.sighting_pairs, graph.sighting_offsets, graph.sighting_covariances, strict=True)
+        )
+    ]
+    rows += [
+        _edge("meeting", k, (pose, None), offset, covariance, robot, float(stamp))
+        for k, (pose, robot, stamp, offset, covariance) in enumerate(
+            zip(
+                graph.meeting_poses,
+                graph.meeting_robots,
+                graph.meeting_stamps_s,
+                graph.meeting_offsets,
+                graph.meeting_covariances,
+                strict=True,
+            )
+        )
     ]
     return rows
 
 
 def _edge(
-    kind: str, number: int, pair: list[int], pose: Sequence[float | None], covariance: Array
+    kind: str,
+    number: int,
+    pair: Sequence[int | None] | Array,
+    pose: Array,
+    covariance: Array,
+    other: str | None = None,
+    stamp_s: float | None = None,
 ) -> dict[str, Any]:
+    ends = [None if end is None else int(end) for end in pair]
     return {
         "kind": kind,
         "number": number,
-        "from_number": pair[0],
-        "to_number": pair[1],
-        "x_m": pose[0],
-        "y_m": pose[1],
-        "yaw_rad": pose[2],
+        "from_number": ends[0],
+        "to_number": ends[1],
+        "x_m": float(pose[0]),
+        "y_m": float(pose[1]),
+        "yaw_rad": float(pose[2]) if len(pose) > 2 else None,
         "covariance": covariance.ravel().tolist(),
+        "other_robot_id": other,
+        "stamp_s": stamp_s,
     }
 
 
@@ -125,6 +148,7 @@ def _graph(connection: Connection, mission_id: str, robot_id: str) -> GraphRepor
     if not poses:
         return None
     edges, sightings = rows(graph_edges, "displacement"), rows(graph_edges, "sighting")
+    loops, meetings = rows(graph_edges, "loop"), rows(graph_edges, "meeting")
     return GraphReport(
         poses=_array([(r.x_m, r.y_m, r.yaw_rad) for r in poses], 3),
         stamps_s=_array([r.stamp_s for r in poses]),
@@ -137,6 +161,14 @@ def _graph(connection: Connection, mission_id: str, robot_id: str) -> GraphRepor
         sighting_pairs=_array([(r.from_number, r.to_number) for r in sightings], 2).astype(np.int64),
         sighting_offsets=_array([(r.x_m, r.y_m) for r in sightings], 2),
         sighting_covariances=_array([r.covariance for r in sightings], 2, 2),
+        loop_pairs=_array([(r.from_number, r.to_number) for r in loops], 2).astype(np.int64),
+        loop_poses=_array([(r.x_m, r.y_m, r.yaw_rad) for r in loops], 3),
+        loop_covariances=_array([r.covariance for r in loops], 3, 3),
+        meeting_robots=tuple(r.other_robot_id for r in meetings),
+        meeting_poses=_array([r.from_number for r in meetings]).astype(np.int64),
+        meeting_stamps_s=_array([r.stamp_s for r in meetings]),
+        meeting_offsets=_array([(r.x_m, r.y_m) for r in meetings], 2),
+        meeting_covariances=_array([r.covariance for r in meetings], 2, 2),
     )
 
 

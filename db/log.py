@@ -6,7 +6,7 @@ from collections.abc import AsyncIterator, Sequence
 from functools import partial
 from typing import Any
 
-from sqlalchemy import ColumnElement, Connection, Select, and_, select, update
+from sqlalchemy import ColumnElement, Connection, Select, and_, func, select, update
 
 from db.engine import Database, insert_missing, upsert
 from db.records import ObservationRecord, SnapshotRecord
@@ -50,6 +50,12 @@ class LogStore:
             if len(page) < _PAGE:
                 return
             seq = page[-1].seq
+
+    async def count_observations(self, mission_id: str, robot_id: str, until: int) -> int:
+        """Return how many observations there are up to ``until``."""
+        chosen = and_(_of(mission_id, robot_id), observations.c.seq <= until)
+        query = select(func.count()).select_from(observations).where(chosen)
+        return int(await self._database.read(lambda c: c.execute(query).scalar_one()))
 
     async def last_observation(self, mission_id: str, robot_id: str) -> ObservationRecord | None:
         """Return the latest observation, None when there is none."""

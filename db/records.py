@@ -8,6 +8,7 @@ from typing import Literal
 AgentPlace = Literal["server", "onboard"]
 SilencePolicy = Literal["hold", "go_on", "return"]
 VictimStatus = Literal["suspected", "confirmed", "reached", "extricated", "dismissed"]
+TagState = Literal["sound", "moved", "cloned", "doubtful"]
 AnnotationKind = Literal["note", "hazard", "searched", "victim"]
 Severity = Literal["info", "warning", "alarm"]
 
@@ -89,12 +90,14 @@ class PointRecord:
 
 @dataclass(frozen=True, slots=True)
 class TagRecord:
-    """A tag as the team map places it."""
+    """A tag as the team map places it; ``notice`` says what is wrong with one that is not sound."""
 
     tag_id: str
     place: PointRecord
     sightings: int
     robots: tuple[str, ...]
+    state: TagState = "sound"
+    notice: str = ""
 
 
 @dataclass(frozen=True, slots=True)

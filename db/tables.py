@@ -101,6 +101,8 @@ tags = Table(
     Column("var_y", Float, nullable=False),
     Column("sightings", Integer, nullable=False),
     Column("robots", JSON, nullable=False),
+    Column("state", String(20), nullable=False, server_default="sound"),  # sound | moved | cloned | doubtful
+    Column("notice", Text, nullable=False, server_default=""),
     _of_mission(),
 )
 
@@ -137,14 +139,17 @@ graph_edges = Table(
     metadata,
     Column("mission_id", ID, primary_key=True),
     Column("robot_id", ID, primary_key=True),
-    Column("kind", String(10), primary_key=True),  # displacement (pose to pose) | sighting (pose to tag)
+    # displacement (pose to pose) | sighting (pose to tag) | loop (pose to pose) | meeting (pose to robot)
+    Column("kind", String(12), primary_key=True),
     Column("number", Integer, primary_key=True, autoincrement=False),
     Column("from_number", Integer, nullable=False),
-    Column("to_number", Integer, nullable=False),
+    Column("to_number", Integer),
     Column("x_m", Float, nullable=False),  # in the frame of the first pose
     Column("y_m", Float, nullable=False),
     Column("yaw_rad", Float),
     Column("covariance", JSON, nullable=False),  # rows of a 3 x 3 or 2 x 2 matrix, one after the other
+    Column("other_robot_id", ID),  # who was met,
+    Column("stamp_s", Float),  # and when
     _of_robot(),
 )
 

@@ -28,6 +28,8 @@ class TagStore:
                 **place_columns(record.place),
                 "sightings": record.sightings,
                 "robots": list(record.robots),
+                "state": record.state,
+                "notice": record.notice,
             }
             for record in records
         ]
@@ -40,7 +42,10 @@ class TagStore:
             rows = connection.execute(
                 select(tags).where(tags.c.mission_id == mission_id).order_by(tags.c.tag_id)
             )
-            return [TagRecord(r.tag_id, place_of(r), r.sightings, tuple(r.robots)) for r in rows]
+            return [
+                TagRecord(r.tag_id, place_of(r), r.sightings, tuple(r.robots), r.state, r.notice)
+                for r in rows
+            ]
 
         return await self._database.read(query)
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 import base64
 import json
 from dataclasses import fields, is_dataclass
+from hashlib import sha256
 from typing import Any, TypeVar
 
 import numpy as np
@@ -25,6 +26,7 @@ _CLASSES: dict[str, type[Any]] = {
     for cls in vars(module).values()
     if isinstance(cls, type) and is_dataclass(cls) and cls.__module__ == module.__name__
 }
+CHAIN_START = bytes(32)
 _DTYPES = {"f8": "<f8", "f4": "<f4", "i8": "<i8", "i4": "<i4", "i1": "|i1", "u1": "|u1"}
 
 
@@ -54,6 +56,11 @@ def decode(data: bytes, expected: type[T]) -> T:
     if not isinstance(value, expected):
         raise CodecError(f"expected a stored {expected.__name__}, found a {type(value).__name__}")
     return value
+
+
+def chained(digest: bytes, data: bytes) -> bytes:
+    """Return the digest of a chain of encoded values after one more; ``CHAIN_START`` begins it."""
+    return sha256(digest + data).digest()
 
 
 def _plain(value: object) -> Any:

@@ -6,7 +6,7 @@ Derived values are properties beside what they derive from.
 from __future__ import annotations
 
 from dataclasses import dataclass, field, fields, is_dataclass, replace
-from math import isfinite, radians
+from math import cos, isfinite, radians, sin
 from typing import Any, Literal, TypeVar, get_args, get_origin, get_type_hints
 
 C = TypeVar("C")
@@ -15,9 +15,13 @@ _SIGNED = frozenset({"ahead_m"})  # all other numbers are 0 or more
 _POSITIVE = frozenset(
     {
         "along_m",
+        "anchor_travel_m",
+        "anchor_turn_rad",
         "across_m",
         "bearing_sd_rad",
         "cell_m",
+        "key_scan_m",
+        "key_scan_rad",
         "local_scans",
         "max_range_m",
         "max_speed_mps",
@@ -25,10 +29,13 @@ _POSITIVE = frozenset(
         "point_sd_m",
         "radius_m",
         "range_sd_m",
+        "reach_m",
         "resolution_m",
         "spacing_m",
         "tag_kernel_sd",
         "track_width_m",
+        "window_m",
+        "window_rad",
     }
 )
 _INT8 = frozenset({"hit_logodds", "miss_logodds", "limit_logodds"})  # as they leave the process
@@ -81,7 +88,8 @@ class OdometryConfig:
     distance_sd_per_sqrt_m: float = 0.14
     turn_sd_per_sqrt_m: float = 0.17
     turn_sd_per_sqrt_rad: float = 0.08
-    slip_sd_m: float = 0.10  # of the distance while the wheels slip
+    slip: Literal["off", "basic", "extended"] = "extended"  # the tree that tells slippage of four wheels
+    slip_sd_per_sqrt_s: float = 0.25  # of the distance (m) while the wheels slip
     lateral_sd_per_sqrt_m: float = 0.02
 
 
@@ -139,6 +147,42 @@ class GraphConfig:
 
 
 @dataclass(frozen=True, slots=True)
+class RangingConfig:
+    """Tags and robots seen from afar, by range and bearing."""
+
+    range_sd_m: float = 0.05
+    range_sd_per_m: float = 0.03
+    bearing_sd_rad: float = radians(1.5)
+    anchor_travel_m: float = 0.25  # a sighting this far from the last anchor gets an anchor of its own
+    anchor_turn_rad: float = radians(20.0)
+
+    def covariance(self, range_m: float, bearing_rad: float) -> tuple[tuple[float, float], ...]:
+        """Return the covariance (2, 2) in m2 of the place seen, in the base frame."""
+        along = (self.range_sd_m + self.range_sd_per_m * range_m) ** 2
+        across = (self.bearing_sd_rad * max(range_m, self.range_sd_m)) ** 2
+        c, s = cos(bearing_rad), sin(bearing_rad)
+        return (
+            (c * c * along + s * s * across, c * s * (along - across)),
+            (c * s * (along - across), s * s * along + c * c * across),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class LoopConfig:
+    """Loops closed by laser at tags that are seen again."""
+
+    laser: bool = True
+    reach_m: float = 4.0  # scans of so much driving before and after a sighting make up its surroundings
+    key_scan_m: float = 0.2  # one scan is kept each so far,
+    key_scan_rad: float = radians(12.0)  # or after such a turn
+    earlier_sightings: int = 3  # that a new one is matched with
+    window_m: float = 0.7  # how far off the graph may be
+    window_rad: float = radians(30.0)
+    min_overlap: float = 0.8
+    min_margin: float = 0.1
+
+
+@dataclass(frozen=True, slots=True)
 class DeploymentConfig:
     """Dropping tags (Kleiner 2006 section III)."""
 
@@ -185,10 +229,13 @@ class AgentConfig:
     scan_match: ScanMatchConfig = field(default_factory=ScanMatchConfig)
     mapping: MappingConfig = field(default_factory=MappingConfig)
     graph: GraphConfig = field(default_factory=GraphConfig)
+    ranging: RangingConfig = field(default_factory=RangingConfig)
+    loops: LoopConfig = field(default_factory=LoopConfig)
     deployment: DeploymentConfig = field(default_factory=DeploymentConfig)
     victims: VictimConfig = field(default_factory=VictimConfig)
     planning: PlanningConfig = field(default_factory=PlanningConfig)
     poses: Literal["slam", "truth"] = "slam"  # "truth": odometry is exact; nothing is estimated (experiments)
+    slam: Literal["tag-graph", "odometry"] = "tag-graph"  # "odometry": tags are noted, the graph never solved
     seed: int = 0
 
 
@@ -220,6 +267,10 @@ def _checked(old: Any, hint: Any, value: Any, where: str) -> Any:
             raise ConfigError(f"{where} has to be one of {', '.join(get_args(hint))}")
         return value
     if value is None and type(None) in get_args(hint):
+        return value
+    if isinstance(old, bool):
+        if not isinstance(value, bool):
+            raise ConfigError(f"{where} has to be true or false")
         return value
     if isinstance(value, bool) or not isinstance(value, int | float) or not _is_finite(value):
         raise ConfigError(f"{where} has to be a finite number")

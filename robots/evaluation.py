@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -45,6 +46,15 @@ class RelationsError:
 
     mean_m: float
     relations: int
+
+
+@dataclass(frozen=True, slots=True)
+class PlacesError:
+    """Mean and largest distance of ``places`` places from the true ones, after alignment."""
+
+    mean_m: float
+    max_m: float
+    places: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,6 +133,22 @@ def relative_error(
     error = _motion(of_truth, of_estimate)
     translation = float(np.sqrt(np.mean(np.sum(error[:, :2] ** 2, axis=1))))
     return RelativeError(translation, float(np.sqrt(np.mean(error[:, 2] ** 2))), interval_s, len(first))
+
+
+def places_error(
+    estimate: Mapping[str, tuple[float, float]], truth: Mapping[str, tuple[float, float]]
+) -> PlacesError:
+    """Return the error of named places, tags for example, after rigid alignment.
+
+    Raises:
+        EvaluationError: fewer than three names are in both.
+    """
+    names = [name for name in estimate if name in truth]
+    if len(names) < 3:
+        raise EvaluationError(f"only {len(names)} places are known in truth; three are needed")
+    found, true = (np.array([places[name] for name in names]) for places in (estimate, truth))
+    distances = np.linalg.norm(align(found, true).apply(found) - true, axis=1)
+    return PlacesError(float(distances.mean()), float(distances.max()), len(names))
 
 
 def read_relations(path: Path) -> Array:

@@ -88,10 +88,25 @@ class RangeReading:
 
 @dataclass(frozen=True, slots=True)
 class TagSighting:
-    """A tag read by the robot: its id and the bytes of its memory (empty when only the id was read)."""
+    """A tag read by the robot: its id and the bytes of its memory (empty when only the id was read).
+
+    ``range_m`` and ``bearing_rad`` say where it is in the base frame: both or neither. Neither: the tag lies
+    under the antenna.
+    """
 
     tag_id: str
     memory: bytes = b""
+    range_m: float | None = None
+    bearing_rad: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class RobotSighting:
+    """Another robot seen by this one: its name, and where its base is in this one's base frame."""
+
+    robot_id: str
+    range_m: float
+    bearing_rad: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,6 +132,7 @@ class Observation:
     scan: LaserScan | None = None
     beams: tuple[RangeReading, ...] = ()
     tag_sightings: tuple[TagSighting, ...] = ()
+    robot_sightings: tuple[RobotSighting, ...] = ()
     heat: tuple[HeatReading, ...] = ()
     battery: float | None = None  # 0..1
     tags_left: int | None = None  # in the magazine
@@ -155,6 +171,13 @@ class GraphReport:
 
     ``sighting_pairs`` (s, 2) pose index, tag index, ``sighting_offsets`` (s, 2) tag in the base frame,
     ``sighting_covariances`` (s, 2, 2) antenna footprint in the base frame.
+
+    ``loop_pairs`` (l, 2) pose indices i, j that a laser match at a known tag joined, ``loop_poses`` (l, 3)
+    matched pose of j in i, ``loop_covariances`` (l, 3, 3). A match can be wrong: solvers give it a kernel.
+
+    ``meeting_robots`` r names of robots that were seen, ``meeting_poses`` (r,) index of the pose vertex,
+    ``meeting_stamps_s`` (r,) when, ``meeting_offsets`` (r, 2) the other's base in the vertex' frame,
+    ``meeting_covariances`` (r, 2, 2).
     """
 
     poses: Array
@@ -168,6 +191,14 @@ class GraphReport:
     sighting_pairs: IntArray
     sighting_offsets: Array
     sighting_covariances: Array
+    loop_pairs: IntArray = field(default_factory=lambda: np.zeros((0, 2), np.int64))
+    loop_poses: Array = field(default_factory=lambda: np.zeros((0, 3)))
+    loop_covariances: Array = field(default_factory=lambda: np.zeros((0, 3, 3)))
+    meeting_robots: tuple[str, ...] = ()
+    meeting_poses: IntArray = field(default_factory=lambda: np.zeros(0, np.int64))
+    meeting_stamps_s: Array = field(default_factory=lambda: np.zeros(0))
+    meeting_offsets: Array = field(default_factory=lambda: np.zeros((0, 2)))
+    meeting_covariances: Array = field(default_factory=lambda: np.zeros((0, 2, 2)))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -191,7 +222,8 @@ class SubmapReport:
 class VictimEstimate:
     """A victim as one robot knows it.
 
-    ``position_m`` (2,) and ``covariance`` (2, 2) in the frame of its anchor pose vertex.
+    ``position_m`` (2,) and ``covariance`` (2, 2) in the frame of its anchor pose vertex; ``kind``: what the
+    sensor that saw it finds.
     """
 
     victim_id: str
@@ -202,6 +234,7 @@ class VictimEstimate:
     sightings: int
     first_seen_s: float
     last_seen_s: float
+    kind: str = "person"
 
 
 Activity = Literal["starting", "exploring", "returning", "holding", "stuck", "done"]
@@ -212,8 +245,8 @@ class AgentUpdate:
     """What an agent makes of one observation.
 
     ``pose`` and ``covariance`` (3, 3) in the map frame; ``anchor_from_base`` in the frame of pose vertex
-    ``anchor``; ``goal_m`` and ``path_m`` (n, 2) in the map frame. ``graph``, ``submaps`` and ``victims`` are
-    given when they changed.
+    ``anchor``, ``anchor_from_base_covariance`` (3, 3) of it alone; ``goal_m`` and ``path_m`` (n, 2) in the
+    map frame. ``graph``, ``submaps`` and ``victims`` are given when they changed.
     """
 
     seq: int
@@ -234,3 +267,4 @@ class AgentUpdate:
     graph: GraphReport | None = None
     submaps: tuple[SubmapReport, ...] = ()
     victims: tuple[VictimEstimate, ...] = ()
+    anchor_from_base_covariance: Array | None = None

@@ -14,6 +14,15 @@ from robots.config import VictimConfig
 from robots.se2 import Array, Pose2
 from robots.types import HeatReading, VictimEstimate
 
+SAME_CHI2 = 11.8  # two places of one victim disagree by more 3 times in a thousand (2 degrees of freedom)
+BODY_M = 0.4  # two nearer than this are one, however sure
+FARTHEST_M = 3.0  # and two farther apart than this are not, however vague
+
+
+def apart(gap_m: Array, covariance: Array) -> float:
+    """Return the chi-square of a gap (2,) between two places, given its covariance (2, 2)."""
+    return float(gap_m @ np.linalg.solve(covariance, gap_m))
+
 
 class VictimTracker:
     """Victims of one robot, each anchored to the pose vertex it was first seen from."""
@@ -30,7 +39,7 @@ class VictimTracker:
         x, y = reading.range_m * cos(reading.bearing_rad), reading.range_m * sin(reading.bearing_rad)
         place = np.array(map_from_base.transform_point(x, y))
         covariance = self._covariance(reading, map_from_base.theta + reading.bearing_rad)
-        at = self._nearest(place, anchors)
+        at = self._nearest(place, covariance, anchors)
         if at is None:
             estimate = self._new(place, covariance, reading, stamp_s, anchor, anchors[anchor])
             self._candidates.append(estimate)
@@ -51,12 +60,17 @@ class VictimTracker:
         covariance: Array = rotation @ np.diag([along, across]) @ rotation.T
         return covariance
 
-    def _nearest(self, place: Array, anchors: list[Pose2]) -> int | None:
+    def _nearest(self, place: Array, covariance: Array, anchors: list[Pose2]) -> int | None:
+        """Return the nearest candidate that a reading of this covariance may be of."""
         best, best_distance = None, self._config.same_within_m
         for k, candidate in enumerate(self._candidates):
-            there = anchors[candidate.anchor].transform(candidate.position_m[None])[0]
-            distance = float(np.hypot(*(there - place)))
-            if distance < best_distance:
+            anchor = anchors[candidate.anchor]
+            gap = anchor.transform(candidate.position_m[None])[0] - place
+            distance = float(np.hypot(*gap))
+            if distance >= best_distance:
+                continue
+            spread = covariance + _rotated(candidate.covariance, anchor.theta)
+            if distance < BODY_M or apart(gap, spread) < SAME_CHI2:
                 best, best_distance = k, distance
         return best
 

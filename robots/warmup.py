@@ -5,17 +5,20 @@ It takes seconds at the first start of a machine, nothing afterwards.
 
 from __future__ import annotations
 
-from math import radians
+from math import pi, radians
 
 import numpy as np
 
 from robots.agent import RobotAgent
 from robots.config import AgentConfig
+from robots.estimation.cloud_matching import Cloud, Window, match_clouds
+from robots.estimation.contradiction import share_seen_through
 from robots.estimation.graph import solve
-from robots.estimation.tag_graph import TagGraph
+from robots.estimation.scan_points import scan_points
+from robots.estimation.tag_graph import TagGraph, graph_problem
 from robots.se2 import GaussianPose, Pose2
 from robots.team import StartPose, TeamMap
-from robots.types import ImuReading, LaserScan, Observation, TagSighting, WheelEncoders
+from robots.types import HeatReading, ImuReading, LaserScan, Observation, TagSighting, WheelEncoders
 
 
 def warm_up() -> None:
@@ -28,6 +31,7 @@ def warm_up() -> None:
     scan = LaserScan(np.minimum(ranges, 4.0).astype(np.float32), -2.0, float(angles[1] - angles[0]), 4.0)
     team = TeamMap()
     team.add_robot("warm-up", StartPose(Pose2(), 0.1, radians(1.0)))
+    team.add_robot("warm-up-too", None)
     for seq in range(12):
         update = agent.step(
             Observation(
@@ -37,14 +41,26 @@ def warm_up() -> None:
                 imu=ImuReading(0.0),
                 scan=scan,
                 tag_sightings=(TagSighting(f"warm-{seq % 3}"),) if seq > 3 else (),
+                heat=(HeatReading(0.1, 1.5, 0.9),) if seq == 8 else (),
                 bumper=seq == 9,
             )
         )
         team.put("warm-up", update)
-    team.put("warm-up", agent.report())
+    for name in ("warm-up", "warm-up-too"):  # they share tags, so their surroundings are matched
+        team.put(name, agent.report())
     team.solve()
-    RobotAgent.restore(agent.snapshot())
+    RobotAgent.restore(agent.snapshot()).smoothed()
     _warm_up_bad_starts()
+    _warm_up_loops(scan)
+
+
+def _warm_up_loops(scan: LaserScan) -> None:
+    """Match a place with itself, as loops do: they come late in a mission, and then at once."""
+    points = scan_points(scan, scan.range_max_m)
+    cloud = Cloud(points.points, points.normals)
+    match_clouds(cloud, cloud, Pose2(0.1, 0.0, 0.1), Window(0.5, radians(20.0)))
+    match_clouds(cloud, cloud, Pose2(), Window(0.5, pi))
+    share_seen_through(scan, Pose2(), points.points)
 
 
 def _warm_up_bad_starts() -> None:
@@ -52,5 +68,5 @@ def _warm_up_bad_starts() -> None:
     graph = TagGraph(AgentConfig(), Pose2(), 0.0, None)
     for turn in range(4):
         graph.add_pose(GaussianPose(Pose2(1.0, 0.0, radians(90.0)), np.eye(3) * 1e-2), float(turn), None)
-        graph.add_sighting(f"warm-{turn % 2}")
-    solve(graph.problem(), start="relaxed")
+        graph.add_sighting(f"warm-{turn % 2}", (0.0, 0.0), np.eye(2) * 1e-2)
+    solve(graph_problem(graph.report()), start="relaxed")

@@ -12,7 +12,7 @@ from db.store import Store
 from server import VERSION
 from server.agents.process import ForkServer
 from server.api import annotations as annotations_api
-from server.api import health, maps, missions, robots, stream, tags, victims
+from server.api import best_map, health, logs, maps, missions, robots, stream, tags, victims
 from server.errors import add_error_handlers
 from server.guard import Guard
 from server.missions import Missions
@@ -56,7 +56,18 @@ def create_app(settings: Settings) -> FastAPI:
     add_error_handlers(app)
     app.add_middleware(Guard, max_body_bytes=settings.max_body_bytes)
     api = APIRouter(prefix="/api/v1")
-    for module in (health, missions, robots, tags, victims, annotations_api, maps, stream):
+    for module in (
+        health,
+        missions,
+        logs,
+        robots,
+        tags,
+        victims,
+        annotations_api,
+        maps,
+        best_map,
+        stream,
+    ):
         api.include_router(module.router)
     app.include_router(api)
     mount_web(app, scenes)

@@ -43,6 +43,11 @@ class Missions:
         self._missions: dict[str, Mission] = {}
         self._opening = asyncio.Lock()
 
+    @property
+    def store(self) -> Store:
+        """The database, for what is only read."""
+        return self._store
+
     def __len__(self) -> int:
         return len(self._missions)
 

@@ -18,7 +18,7 @@ import numpy as np
 from db.records import RobotRecord, SnapshotRecord
 from db.store import Store
 from robots import codec
-from robots.se2 import Array, Pose2
+from robots.se2 import Array, GaussianPose, Pose2
 from robots.types import AgentUpdate, Command, GraphReport, Observation
 from server.agents.host import AgentHost
 
@@ -65,6 +65,8 @@ class RobotLog:
 class Robot:
     """A registered robot. ``anchors`` (n, 3): world poses of its pose vertices in the latest team map.
 
+    ``anchor_covariance`` (3, 3): of the newest of them, None where nothing joins the robot to the world.
+
     ``thought``: the agent's work on the newest observations of the log; ``differs``: the agent on board
     decided otherwise in the last batch that told what it decided.
     """
@@ -83,6 +85,7 @@ class Robot:
     graph: GraphReport | None = None
     anchors: Array | None = None
     located: bool = False
+    anchor_covariance: Array | None = None
     stuck_told_s: float = -inf
     waiting: int = 0  # observations that wait for the agent
     told: OrderedDict[int, Told] = field(default_factory=OrderedDict)
@@ -138,6 +141,28 @@ class Robot:
         map_from_start = Pose2.from_array(self.graph.poses[0])
         return Pose2(start.x_m, start.y_m, start.yaw_rad) @ map_from_start.between(update.pose)
 
+    def world_covariance(self) -> Array | None:
+        """Return the covariance (3, 3) of ``world_pose`` by the latest team map.
+
+        That of the newest anchor it knows, and what was driven since; None where it does not know any.
+        """
+        update, graph = self.update, self.graph
+        if update is None or graph is None or self.anchors is None or self.anchor_covariance is None:
+            return None
+        since = update.anchor_from_base_covariance
+        known = len(self.anchors) - 1
+        if since is None or not 0 <= known <= update.anchor < len(graph.poses):
+            return None
+        here = GaussianPose(Pose2.from_array(self.anchors[known]), self.anchor_covariance)
+        steps = {int(j): k for k, (i, j) in enumerate(graph.edge_pairs) if j == i + 1}
+        for vertex in range(known + 1, update.anchor + 1):
+            if vertex not in steps:
+                return None
+            edge = steps[vertex]
+            driven = Pose2.from_array(graph.edge_poses[edge])
+            here = here @ GaussianPose(driven, graph.edge_covariances[edge])
+        return (here @ GaussianPose(update.anchor_from_base, since)).covariance
+
     def snapshot_record(self, seq: int, body: bytes) -> SnapshotRecord:
         """Return a snapshot together with what the robot was told last.
 
@@ -165,7 +190,11 @@ def robot_value(robot: Robot) -> dict[str, object] | None:
     world_from_map = world_from_base @ update.pose.inverse()
     c, s = np.cos(world_from_map.theta), np.sin(world_from_map.theta)
     turned = np.array([[c, -s], [s, c]])
-    covariance = turned @ update.covariance[:2, :2] @ turned.T
+    covariance = np.array(update.covariance)
+    covariance[:2, :2] = turned @ update.covariance[:2, :2] @ turned.T
+    joint = robot.world_covariance()
+    if joint is not None:
+        covariance = joint
     goal = None if update.goal_m is None else _rounded(world_from_map.transform_point(*update.goal_m))
     path: Array = update.path_m.astype(np.float64)
     if len(path):
@@ -176,8 +205,7 @@ def robot_value(robot: Robot) -> dict[str, object] | None:
         "y_m": round(world_from_base.y, 4),
         "yaw_rad": round(world_from_base.theta, 4),
         "covariance": [
-            float(value)
-            for value in (covariance[0, 0], covariance[0, 1], covariance[1, 1], update.covariance[2, 2])
+            float(value) for value in (covariance[0, 0], covariance[0, 1], covariance[1, 1], covariance[2, 2])
         ],
         "stamp_s": update.stamp_s,
         "heard_unix_s": robot.heard_unix_s,

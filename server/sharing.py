@@ -13,7 +13,8 @@ from server.map_image import MapImage
 
 def tag_record(tag: TeamTag) -> TagRecord:
     """Return a tag as it is stored."""
-    return TagRecord(tag.tag_id, _place(tag.x_m, tag.y_m, tag.covariance), tag.sightings, tag.robots)
+    place = _place(tag.x_m, tag.y_m, tag.covariance)
+    return TagRecord(tag.tag_id, place, tag.sightings, tag.robots, tag.state, tag.notice)
 
 
 def victim_record(victim: TeamVictim, known: VictimRecord | None) -> VictimRecord:
@@ -38,6 +39,8 @@ def tag_value(tag: TagRecord) -> dict[str, Any]:
         **_place_value(tag.place),
         "sightings": tag.sightings,
         "robots": list(tag.robots),
+        "state": tag.state,
+        "notice": tag.notice,
     }
 
 
@@ -67,15 +70,21 @@ def event_value(event: EventRecord) -> dict[str, Any]:
     return {name: getattr(event, name) for name in EventRecord.__slots__}
 
 
-def map_value(mission_id: str, image: MapImage) -> dict[str, Any]:
-    """Return ``map`` of the board."""
+def victim_place_value(victim: TeamVictim) -> dict[str, Any]:
+    """Return where a victim is, without what people said about it."""
+    place = _place(victim.x_m, victim.y_m, victim.covariance)
+    return {"victim_id": victim.victim_id, **_place_value(place)}
+
+
+def map_value(mission_id: str, image: MapImage, png: str = "map.png") -> dict[str, Any]:
+    """Return ``map`` of the board; ``png`` is the last part of the picture's address."""
     return {
         "version": image.version,
         "width": image.width,
         "height": image.height,
         "resolution_m": image.resolution_m,
         "origin_m": list(image.origin_m),
-        "png": f"/api/v1/missions/{mission_id}/map.png?version={image.version}",
+        "png": f"/api/v1/missions/{mission_id}/{png}?version={image.version}",
     }
 
 

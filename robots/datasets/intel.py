@@ -18,8 +18,6 @@ Measured on the recording, not printed anywhere:
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
 from itertools import pairwise
 from math import radians
 from pathlib import Path
@@ -28,16 +26,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from robots.datasets.laser import (
+    Laser,
+    LaserRecording,
+    checked_ranges,
+    scanner_motion,
+    stamped_frames,
+    virtual_tags,
+)
 from robots.datasets.recording import RecordingError, load_arrays
-from robots.datasets.virtual_tags import SIGHTING_RADIUS_M, VirtualTags, place_tags
+from robots.datasets.virtual_tags import SIGHTING_RADIUS_M
 from robots.se2 import Array, Pose2
-from robots.trajectory import Trajectory
-from robots.types import Displacement, FloatArray32, LaserScan, Observation, TagSighting
 
-ROBOT = "r1"
 _BEAMS = 180
-_ANGLE_MIN_RAD, _ANGLE_INCREMENT_RAD = radians(-89.5), radians(1.0)
-_WHEELS_FROM_SCANNER = Pose2(0.095, 0.0, 0.0)
+_LASER = Laser(radians(-89.5), radians(1.0), Pose2(0.095, 0.0, 0.0))
 
 # No inertial unit; a reader that reaches SIGHTING_RADIUS_M round the robot; a magazine that is empty. The
 # wheels turn about 0.05 rad/m too little and roll about 4 % long: errors that add up rather than average out,
@@ -51,56 +53,10 @@ _SETTINGS: dict[str, Any] = {
 }
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class IntelRecording:
-    """One robot's day. Frames without a stamp are not observed: their motion is added to the next frame's."""
-
-    ranges_m: FloatArray32
-    displacements: Array  # (n, 3), from the observed frame before
-    own_stamps_s: Array
-    reference: Array  # (n, 3), NaN where unknown
-    tags: VirtualTags
-    range_max_m: float
-    name: str = "intel"
-    robots: tuple[str, ...] = (ROBOT,)
-
-    @property
-    def settings(self) -> dict[str, Any]:
-        """Overrides of ``AgentConfig`` for this hardware."""
-        return _SETTINGS
-
-    def length(self, robot_id: str) -> int:
-        """Return the number of observations."""
-        return len(self.own_stamps_s)
-
-    def stamps_s(self, robot_id: str) -> Array:
-        """Return the recorded stamps, (n,)."""
-        return self.own_stamps_s
-
-    def truth(self, robot_id: str) -> Trajectory | None:
-        """Return the reference path, which is itself 0.097 m from the published relations."""
-        known = np.isfinite(self.reference).all(axis=1)
-        return Trajectory(self.own_stamps_s[known], self.reference[known]) if known.any() else None
-
-    def observations(self, robot_id: str) -> Iterator[Observation]:
-        """Yield one observation a frame: displacement, scan, and the ids of virtual tags driven over."""
-        clock = np.maximum.accumulate(self.own_stamps_s)
-        for seq, (stamp, motion, ranges) in enumerate(
-            zip(clock, self.displacements, self.ranges_m, strict=True)
-        ):
-            yield Observation(
-                seq=seq,
-                stamp_s=float(stamp),
-                odometry=Displacement(*(float(value) for value in motion)),
-                scan=LaserScan(ranges, _ANGLE_MIN_RAD, _ANGLE_INCREMENT_RAD, self.range_max_m),
-                tag_sightings=tuple(
-                    TagSighting(str(number + 1)) for number in self.tags.sighted.get(seq, ())
-                ),
-            )
-
-
-def load(path: Path, virtual_tags_m: float | None = None) -> IntelRecording:
+def load(path: Path, virtual_tags_m: float | None = None) -> LaserRecording:
     """Read the recording; with ``virtual_tags_m``, place a tag on the reference path every so many metres.
+
+    The reference path is itself 0.097 m from the published relations.
 
     Raises:
         RecordingError: the file cannot be read, or an array is missing, has another shape or an impossible
@@ -115,27 +71,20 @@ def load(path: Path, virtual_tags_m: float | None = None) -> IntelRecording:
     arrays = load_arrays(path, shapes)
     stamps = arrays["t_epoch"].astype(np.float64)
     increments = arrays["odo_increments"].astype(np.float64)
-    observed = np.flatnonzero(np.isfinite(stamps))
-    if len(observed) < 2:
-        raise RecordingError(f"{path}: array 't_epoch' holds fewer than two stamps")
+    observed = stamped_frames(path, stamps)
     if not np.isfinite(increments).all():
         raise RecordingError(f"{path}: array 'odo_increments' holds a value that is not finite")
-    ranges = arrays["ranges"].astype(np.float32)[observed]
-    if not np.isfinite(ranges).any() or np.nanmin(ranges) < 0.0:
-        raise RecordingError(f"{path}: array 'ranges' has to hold distances of 0 m or more")
+    ranges = checked_ranges(path, arrays["ranges"][observed])
     reference = arrays["corrected_pose"].astype(np.float64)[observed]
-    if virtual_tags_m is None:
-        tags = VirtualTags(np.zeros((0, 2)), {})
-    elif np.isfinite(reference).all(axis=1).any():
-        tags = place_tags(reference[:, :2], virtual_tags_m)
-    else:
-        raise RecordingError(f"{path}: array 'corrected_pose' holds no pose to place virtual tags by")
-    return IntelRecording(
+    return LaserRecording(
+        name="intel",
+        settings=_SETTINGS,
+        laser=_LASER,
         ranges_m=ranges,
         displacements=_between_frames(increments, observed),
         own_stamps_s=stamps[observed],
         reference=reference,
-        tags=tags,
+        tags=virtual_tags(path, reference, virtual_tags_m),
         range_max_m=float(np.max(ranges[np.isfinite(ranges)])),
     )
 
@@ -147,5 +96,5 @@ def _between_frames(increments: Array, observed: NDArray[np.int64]) -> Array:
         wheels = Pose2()
         for row in increments[first:second]:
             wheels = wheels @ Pose2.from_array(row)
-        rows.append((_WHEELS_FROM_SCANNER.inverse() @ wheels @ _WHEELS_FROM_SCANNER).as_array())
+        rows.append(scanner_motion(wheels, _LASER))
     return np.array(rows)

@@ -5,10 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from robots.datasets import intel
+from robots.datasets import csail, intel, mission_log, mrclam
 from robots.datasets.recording import Recording, RecordingError
 
-DATASETS: dict[str, Callable[[Path, float | None], Recording]] = {"intel": intel.load}
+DATASETS: dict[str, Callable[[Path, float | None], Recording]] = {
+    "csail": csail.load,
+    "intel": intel.load,
+    "log": mission_log.load,
+    "mrclam": mrclam.load,
+}
 
 
 def load(dataset: str, path: Path, virtual_tags_m: float | None = None) -> Recording:
@@ -18,5 +23,6 @@ def load(dataset: str, path: Path, virtual_tags_m: float | None = None) -> Recor
         RecordingError: the format is unknown, or the file is not of it.
     """
     if dataset not in DATASETS:
-        raise RecordingError(f"there is no dataset {dataset!r}; known are {', '.join(sorted(DATASETS))}")
+        known = sorted([*DATASETS, "g2o"])  # a pose graph has nothing to observe: pose_graph_replay
+        raise RecordingError(f"there is no dataset {dataset!r}; known are {', '.join(known)}")
     return DATASETS[dataset](path, virtual_tags_m)

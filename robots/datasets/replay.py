@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from time import perf_counter
+from typing import Any
 
 import numpy as np
 
-from robots.agent import RobotAgent
+from robots.agent import ObservationError, RobotAgent
 from robots.config import AgentConfig, override
 from robots.datasets.recording import Recording
 from robots.se2 import Array
 from robots.team import TeamMap, TeamRobot, TeamUpdate
 from robots.trajectory import Trajectory, TrajectoryStep, edges_of, final_trajectory
-from robots.types import AgentUpdate
+from robots.types import AgentUpdate, GraphReport
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -25,6 +26,8 @@ class RobotReplay:
     online: Trajectory
     final: Trajectory
     distance_m: float
+    observations: int
+    refused: int  # that the agent could not take
     sightings: int
     step_s: Array  # (n,) time each step took
 
@@ -37,16 +40,38 @@ class ReplayResult:
     team: TeamUpdate
 
 
-def replay(recording: Recording, on_step: Callable[[], None] = lambda: None) -> ReplayResult:
-    """Run an agent per robot over the recording; ``on_step`` is called after each observation."""
-    config = override(AgentConfig(), recording.settings)
-    team = TeamMap(config.mapping.resolution_m)
+def replay(
+    recording: Recording,
+    on_step: Callable[[], None] = lambda: None,
+    robots: Sequence[str] | None = None,
+    changes: dict[str, Any] | None = None,
+    on_update: Callable[[str, AgentUpdate], None] = lambda robot_id, update: None,
+) -> ReplayResult:
+    """Run an agent per robot over the recording.
+
+    Args:
+        recording: what they observed.
+        on_step: called after each observation.
+        robots: who takes part, in the order in which they go through the recording; None for all.
+        changes: overrides of ``AgentConfig`` beside the recording's own.
+        on_update: called with each update that an agent makes.
+
+    Raises:
+        ConfigError: one of the overrides is no setting, or out of range.
+        ObservationError: an agent cannot take a single observation.
+        RecordingError: the recording turns out to be damaged.
+    """
+    team: TeamMap | None = None
     days = []
-    for robot_id in recording.robots:
-        team.add_robot(robot_id, None)
-        day = _Day(recording, robot_id, config, on_step)
-        team.put(robot_id, day.last)
+    for robot_id in recording.robots if robots is None else robots:
+        config = override(override(AgentConfig(), recording.settings_of(robot_id)), changes or {})
+        team = team or TeamMap(config.mapping.resolution_m)
+        team.add_robot(robot_id, recording.start_pose(robot_id))
+        day = _Day(recording, robot_id, config, on_step, on_update)
+        team.put(robot_id, day.last if config.slam == "tag-graph" else _without_loops(day.last))
         days.append(day)
+    if team is None:
+        raise ValueError("there is no robot to replay")
     solved = team.solve()
     by_id = {robot.robot_id: robot for robot in solved.robots}
     return ReplayResult(tuple(day.result(by_id[day.robot_id]) for day in days), solved)
@@ -54,36 +79,78 @@ def replay(recording: Recording, on_step: Callable[[], None] = lambda: None) -> 
 
 class _Day:
     def __init__(
-        self, recording: Recording, robot_id: str, config: AgentConfig, on_step: Callable[[], None]
+        self,
+        recording: Recording,
+        robot_id: str,
+        config: AgentConfig,
+        on_step: Callable[[], None],
+        on_update: Callable[[str, AgentUpdate], None],
     ) -> None:
         agent = RobotAgent(robot_id, config)
         self.robot_id = robot_id
-        self._stamps = recording.stamps_s(robot_id)
+        self._slam = config.slam
+        self._refused = 0
         self._steps: list[TrajectoryStep] = []
         self._online: list[Array] = []
         self._step_s: list[float] = []
         self._sightings = 0
-        for observation in recording.observations(robot_id):
-            began = perf_counter()
-            update = agent.step(observation)
-            self._step_s.append(perf_counter() - began)
+        for stamp, observation in zip(
+            recording.stamps_s(robot_id), recording.observations(robot_id), strict=True
+        ):
             self._sightings += len(observation.tag_sightings)
-            self._keep(update)
+            began = perf_counter()
+            try:
+                update = agent.step(observation)
+            except ObservationError:  # as mission control does: the agent is unchanged and goes on
+                self._refused += 1
+            else:
+                self._step_s.append(perf_counter() - began)
+                self._keep(float(stamp), update)
+                on_update(robot_id, update)
             on_step()
-        self.last = agent.report()
+        self.last = agent.smoothed()
 
-    def _keep(self, update: AgentUpdate) -> None:
-        stamp = float(self._stamps[len(self._steps)])
-        self._steps.append(TrajectoryStep(stamp, update.anchor, update.anchor_from_base))
+    def _keep(self, stamp_s: float, update: AgentUpdate) -> None:
+        self._steps.append(TrajectoryStep(stamp_s, update.anchor, update.anchor_from_base))
         self._online.append(update.pose.as_array())
 
     def result(self, solved: TeamRobot) -> RobotReplay:
-        edges = edges_of(self.last.graph) if self.last.graph is not None else {}
+        graph = self.last.graph
+        edges = edges_of(graph) if graph is not None else {}
+        anchors = graph.poses if graph is not None and self._slam == "odometry" else solved.anchors
         return RobotReplay(
             robot_id=self.robot_id,
-            online=Trajectory(self._stamps, np.array(self._online).reshape(-1, 3)),
-            final=final_trajectory(self._steps, solved.anchors, edges),
+            online=Trajectory(
+                np.array([step.stamp_s for step in self._steps]), np.array(self._online).reshape(-1, 3)
+            ),
+            final=final_trajectory(self._steps, anchors, edges),
             distance_m=self.last.distance_m,
+            observations=len(self._steps) + self._refused,
+            refused=self._refused,
             sightings=self._sightings,
             step_s=np.array(self._step_s),
         )
+
+
+def _without_loops(update: AgentUpdate) -> AgentUpdate:
+    """Return the update with a graph that only places each tag where it was first seen."""
+    graph = update.graph
+    if graph is None:
+        return update
+    _, first = np.unique(graph.sighting_pairs[:, 1], return_index=True)
+    return replace(
+        update,
+        graph=GraphReport(
+            poses=graph.poses,
+            stamps_s=graph.stamps_s,
+            yaws_rad=np.full(len(graph.poses), np.nan),
+            tag_ids=graph.tag_ids,
+            tags=graph.tags,
+            edge_pairs=graph.edge_pairs,
+            edge_poses=graph.edge_poses,
+            edge_covariances=graph.edge_covariances,
+            sighting_pairs=graph.sighting_pairs[first],
+            sighting_offsets=graph.sighting_offsets[first],
+            sighting_covariances=graph.sighting_covariances[first],
+        ),
+    )

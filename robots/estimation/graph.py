@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+from numba import njit
 
 from robots.estimation.graph_cholesky import factorise, solve_factored
 from robots.estimation.graph_descent import Descent, descend, relaxed
@@ -35,6 +36,7 @@ from robots.estimation.graph_problem import LOOSE, GraphError, GraphProblem, ass
 from robots.estimation.graph_robust import believed, only
 from robots.estimation.graph_tree import along_tree
 from robots.se2 import Array, wrap_array
+from robots.types import IntArray
 
 __all__ = ["GraphError", "GraphProblem", "GraphSolution", "Marginals", "solve"]
 
@@ -83,36 +85,43 @@ class Marginals:
 
     def of(self, vertex: int) -> Array:
         """Return the covariance (3, 3) of a vertex, tags counted after the poses."""
-        covariance: Array = self._columns(vertex)[vertex]
-        return (covariance + covariance.T) / 2.0
+        return self.joint(np.array([vertex]))
 
     def relative(self, first: int, second: int) -> Array:
         """Return the covariance (3, 3) of vertex ``second`` in the frame of pose vertex ``first``.
 
         Tags are counted after the poses; of a tag only the upper left (2, 2) says anything.
         """
-        of_first, of_second = self._columns(first), self._columns(second)
         J = between_jacobian(self._state[first], self._state[second])
-        joint = np.block([[of_first[first], of_second[first]], [of_first[second], of_second[second]]])
-        covariance = J @ joint @ J.T
-        return np.asarray((covariance + covariance.T) / 2.0)
+        covariance: Array = J @ self.joint(np.array([first, second])) @ J.T
+        return (covariance + covariance.T) / 2.0
 
-    def _columns(self, vertex: int) -> Array:
-        """Return the covariances (n + m, 3, 3) of all vertices with one."""
+    def joint(self, vertices: IntArray) -> Array:
+        """Return the joint covariance (3 k, 3 k) of k vertices; a tag's third row and column mean nothing."""
         if self._solved is None:
             frame, equations, factor = _storage(len(self._state), self._factors)
             linearise(self._state, self._factors, equations, self._kernel, self._linear)
             if not factorise(frame, equations, self._damping, factor):
                 raise GraphError(LOOSE)
             self._solved = frame, factor
-        right, column = np.zeros_like(self._state), np.empty_like(self._state)
-        columns = np.empty((len(self._state), 3, 3))
+        covariance: Array = columns_of(*self._solved, np.asarray(vertices, np.int64))
+        return (covariance + covariance.T) / 2.0
+
+
+@njit(cache=True)
+def columns_of(frame: Order, factor: Array, vertices: IntArray) -> Array:
+    """Return the blocks of the inverse that belong to the vertices (k,), shape (3 k, 3 k)."""
+    count, size = len(frame.vertex), len(vertices)
+    right, column = np.zeros((count, 3)), np.empty((count, 3))
+    covariance = np.empty((3 * size, 3 * size))
+    for j in range(size):
         for k in range(3):
-            right[vertex] = 0.0
-            right[vertex, k] = 1.0
-            solve_factored(*self._solved, right, column)
-            columns[:, :, k] = column
-        return columns
+            right[vertices[j], k] = 1.0
+            solve_factored(frame, factor, right, column)
+            right[vertices[j], k] = 0.0
+            for i in range(size):
+                covariance[3 * i : 3 * i + 3, 3 * j + k] = column[vertices[i]]
+    return covariance
 
 
 def solve(

@@ -12,28 +12,48 @@ from math import floor
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
+from robots.estimation.nearest import CELL_M, MAX_POINTS, MAX_REACH_CELLS, NOTHING, Index, nearest, stamp
 from robots.se2 import Array, Pose2
 
-CELL_M = 0.1
-REACH_CELLS = 4  # a cell knows points up to this many cells away: the catchment of the matcher is 0.4 m
 _KEEP_APART_M = 0.04  # a point this near to an older one of the map adds nothing
+_REBUILT_EVERY = 3  # insertions; in between the map only grows
 
 
 class LocalMap:
-    """Points and normals of the last ``scans`` inserted scans in the local frame, and the index over them."""
+    """Points and normals of the last ``scans`` inserted scans in the local frame, and the index over them.
+
+    ``points``, ``normals``: (n, 2), the normals zero where unknown; ``index``, ``origin``: see ``nearest``.
+    Up to two scans more are kept until the map is built anew.
+    """
 
     def __init__(self, scans: int, half_width_m: float) -> None:
         self._scans: deque[tuple[Array, Array]] = deque(maxlen=scans)
-        self._half_width_m = half_width_m
-        self.points: Array = np.zeros((0, 2))
-        self.normals: Array = np.zeros((0, 2))
+        self._cells = 2 * int(np.ceil(half_width_m / CELL_M))
+        self.clear()
+
+    def clear(self) -> None:
+        """Forget everything: the robot was carried elsewhere."""
+        self._scans.clear()
+        self._until_rebuilt = 0
+        self._count = 0
+        self._points: Array = np.empty((0, 2))
+        self._normals: Array = np.empty((0, 2))
         self.origin: Array = np.zeros(2)
-        self.index: NDArray[np.int32] = np.zeros((0, 0), np.int32)
+        self.index: Index = np.zeros((0, 0), np.int32)
 
     def __len__(self) -> int:
         return len(self._scans)
+
+    @property
+    def points(self) -> Array:
+        """Surface points, (n, 2), in the local frame."""
+        return self._points[: self._count]
+
+    @property
+    def normals(self) -> Array:
+        """Normals of the points, (n, 2), zero where unknown."""
+        return self._normals[: self._count]
 
     def insert(self, local_from_base: Pose2, points: Array, normals: Array) -> None:
         """Add a scan, points and normals (n, 2) in the base frame.
@@ -42,62 +62,55 @@ class LocalMap:
         """
         rotation = Pose2(0.0, 0.0, local_from_base.theta)
         self._scans.append((local_from_base.transform(points), rotation.transform(normals)))
-        self._rebuild(local_from_base)
-
-    def clear(self) -> None:
-        """Forget everything: the robot was carried elsewhere."""
-        self._scans.clear()
-        self.points = np.zeros((0, 2))
-        self.normals = np.zeros((0, 2))
-        self.index = np.zeros((0, 0), np.int32)
+        if self._until_rebuilt == 0:
+            self._rebuild(local_from_base)
+            self._until_rebuilt = _REBUILT_EVERY
+        else:
+            self._add(*self._scans[-1])
+        self._until_rebuilt -= 1
 
     def _rebuild(self, centre: Pose2) -> None:
-        cells = 2 * int(np.ceil(self._half_width_m / CELL_M))
-        self.origin = np.array(
-            [
-                floor(centre.x / CELL_M) * CELL_M - cells / 2 * CELL_M,
-                floor(centre.y / CELL_M) * CELL_M - cells / 2 * CELL_M,
-            ]
-        )
-        if self.index.shape != (cells, cells):
-            self.index = np.empty((cells, cells), np.int32)
-        points = np.concatenate([points for points, _ in self._scans])
-        normals = np.concatenate([normals for _, normals in self._scans])
-        keep = _fill(points, normals, self.origin, self.index)
-        self.points, self.normals = points[:keep].copy(), normals[:keep].copy()
+        """Build the map anew from its scans, the oldest first, with the index centred here."""
+        if self.index.shape != (self._cells, self._cells):
+            self.index = np.empty((self._cells, self._cells), np.int32)
+        half = self._cells // 2
+        self.origin = np.array([(floor(v / CELL_M) - half) * CELL_M for v in (centre.x, centre.y)])
+        self.index.fill(NOTHING)
+        self._count = 0
+        for points, normals in self._scans:
+            self._add(points, normals)
+
+    def _add(self, points: Array, normals: Array) -> None:
+        room = self._count + len(points)
+        if room > len(self._points):
+            grown = min(max(2 * len(self._points), room), MAX_POINTS)
+            self._points = np.concatenate([self.points, np.empty((grown - self._count, 2))])
+            self._normals = np.concatenate([self.normals, np.empty((grown - self._count, 2))])
+        self._count = thin(points, normals, self._points, self._normals, self._count, self.index, self.origin)
 
 
 @njit(cache=True)
-def _fill(points: Array, normals: Array, origin: Array, index: NDArray[np.int32]) -> int:
-    """Thin the points in place, fill the nearest-point index and return how many points were kept."""
-    rows, columns = index.shape
-    index[:, :] = -1
-    kept = 0
-    for i in range(points.shape[0]):
-        x, y = points[i, 0], points[i, 1]
-        nx, ny = normals[i, 0], normals[i, 1]
-        column = floor((x - origin[0]) / CELL_M)
-        row = floor((y - origin[1]) / CELL_M)
-        if row < 0 or column < 0 or row >= rows or column >= columns:
-            continue
-        j = index[row, column]
+def thin(
+    new_points: Array,
+    new_normals: Array,
+    points: Array,
+    normals: Array,
+    count: int,
+    index: Index,
+    origin: Array,
+) -> int:
+    """Add the points, (m, 2), that say something new to the ``count`` there; return how many there are."""
+    for i in range(new_points.shape[0]):
+        x, y = new_points[i, 0], new_points[i, 1]
+        nx, ny = new_normals[i, 0], new_normals[i, 1]
+        j = nearest(x, y, index, origin)
         if j >= 0:
             dx, dy = points[j, 0] - x, points[j, 1] - y
             same_side = nx * normals[j, 0] + ny * normals[j, 1] > 0.7 or (nx == 0.0 and ny == 0.0)
             if dx * dx + dy * dy < _KEEP_APART_M * _KEEP_APART_M and same_side:
                 continue
-        points[kept, 0], points[kept, 1] = x, y
-        normals[kept, 0], normals[kept, 1] = nx, ny
-        for r in range(max(0, row - REACH_CELLS), min(rows, row + REACH_CELLS + 1)):
-            for c in range(max(0, column - REACH_CELLS), min(columns, column + REACH_CELLS + 1)):
-                k = index[r, c]
-                if k < 0:
-                    index[r, c] = kept
-                    continue
-                cx, cy = origin[0] + (c + 0.5) * CELL_M, origin[1] + (r + 0.5) * CELL_M
-                ax, ay = points[k, 0] - cx, points[k, 1] - cy
-                bx, by = x - cx, y - cy
-                if bx * bx + by * by < ax * ax + ay * ay:
-                    index[r, c] = kept
-        kept += 1
-    return kept
+        if count < points.shape[0] and stamp(index, origin, count, x, y, MAX_REACH_CELLS):
+            points[count, 0], points[count, 1] = x, y
+            normals[count, 0], normals[count, 1] = nx, ny
+            count += 1
+    return count

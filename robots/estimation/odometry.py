@@ -45,22 +45,24 @@ def motion_covariance(
     noise: OdometryConfig,
     wheel_arm_m: float,
     turn_sd_rad: float | None,
-    slipping: bool = False,
+    slipping_s: float = 0.0,
 ) -> Array:
     """Return Sigma_u of eq. (2) as (3, 3) in the previous base frame.
 
     Variances grow linearly with the motion. ``wheel_arm_m`` is half the track width. ``turn_sd_rad`` is the
-    deviation of a turn measured by the inertial unit, None where the wheels measured it. While the wheels
-    slip the travelled distance is uncertain by ``slip_sd_m`` more; the turn is not (Kleiner 2006).
+    deviation of a turn measured by the inertial unit, None where the wheels measured it. Over ``slipping_s``
+    seconds in which the wheels slip the travelled distance becomes less certain; so does the turn where the
+    wheels measured it, but not the inertial unit's (Kleiner 2006).
     """
     distance = sqrt(motion.x**2 + motion.y**2)
     rolled = distance + abs(motion.theta) * wheel_arm_m  # wheels roll, and err, in turns on the spot too
     along = noise.distance_sd_per_sqrt_m**2 * rolled
     across = noise.lateral_sd_per_sqrt_m**2 * distance
-    if slipping:
-        along += noise.slip_sd_m**2
+    slip = noise.slip_sd_per_sqrt_s**2 * slipping_s
+    along += slip
     if turn_sd_rad is None:
         turn = noise.turn_sd_per_sqrt_m**2 * distance + noise.turn_sd_per_sqrt_rad**2 * abs(motion.theta)
+        turn += slip / wheel_arm_m**2  # either side slips by itself, with twice the variance of their mean
     else:
         turn = turn_sd_rad**2
     return np.diag([along, across, turn])

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import cos, hypot, isfinite, sin, sqrt
+from functools import lru_cache
+from math import inf, isfinite, sqrt
 
 import numpy as np
 from numba import njit
@@ -23,10 +24,10 @@ _ENOUGH_POINTS = 20
 class ScanPoints:
     """End points of a scan with surface normals, in the base frame.
 
-    ``points`` (n, 2) in metres; ``normals`` (n, 2), unit, towards the sensor, zero where unknown;
-    ``far_fraction`` is the share of beams that hit nothing. Things as small as a robot that stand free are
-    left out where enough else is seen: they may be other robots, and a scan matched to one that drives away
-    would be dragged along.
+    ``points`` (n, 2) in metres, in the order of the beams; ``normals`` (n, 2), unit, towards the sensor, zero
+    where unknown; ``far_fraction`` is the share of beams that hit nothing. Things as small as a robot that
+    stand free are left out where enough else is seen: they may be other robots, and a scan matched to one
+    that drives away would be dragged along.
     """
 
     points: Array
@@ -34,20 +35,33 @@ class ScanPoints:
     far_fraction: float
 
 
-def scan_points(scan: LaserScan, max_range_m: float) -> ScanPoints:
-    """Return the scan's hits within ``max_range_m``, without isolated ones, with their normals."""
+def scan_points(scan: LaserScan, max_range_m: float, smooth: bool = False) -> ScanPoints:
+    """Return the scan's hits within ``max_range_m``, without isolated ones, with their normals.
+
+    ``smooth`` moves each point onto the line through its neighbours: less noise, but door frames and other
+    small things lose their depth, which a map of many scans would miss.
+    """
+    if not isfinite(scan.angle_min_rad) or not isfinite(scan.angle_increment_rad):
+        return ScanPoints(np.zeros((0, 2)), np.zeros((0, 2)), 1.0)
     limit = min(max_range_m, scan.range_max_m)
-    points, normals, standing_free, far = _points(
-        scan.ranges_m, scan.angle_min_rad, scan.angle_increment_rad, limit, scan.range_max_m
-    )
-    if len(points) - standing_free.sum() >= _ENOUGH_POINTS:
-        points, normals = points[~standing_free], normals[~standing_free]
+    directions = _directions(len(scan.ranges_m), scan.angle_min_rad, scan.angle_increment_rad)
+    increment = abs(scan.angle_increment_rad)
+    points, normals, far = _points(scan.ranges_m, directions, increment, limit, scan.range_max_m, smooth)
     return ScanPoints(points, normals, far)
+
+
+@lru_cache(maxsize=16)
+def _directions(beams: int, angle_min_rad: float, increment_rad: float) -> Array:
+    """Return the unit vectors of the beams, (n, 2): the same ones scan after scan."""
+    angles = angle_min_rad + np.arange(beams) * increment_rad
+    directions = np.column_stack([np.cos(angles), np.sin(angles)])
+    directions.flags.writeable = False
+    return directions
 
 
 @njit(cache=True)
 def _standing_free(
-    ranges: FloatArray32, xy: Array, hit: NDArray[np.bool_], increment: float
+    ranges: FloatArray32, xy: Array, hit: NDArray[np.bool_], linked: NDArray[np.bool_]
 ) -> NDArray[np.bool_]:
     """Mark the beams of things up to a robot's size with clear space on both sides."""
     n = ranges.shape[0]
@@ -58,13 +72,10 @@ def _standing_free(
             start += 1
             continue
         end = start  # the last beam of an unbroken surface
-        while end + 1 < n and hit[end + 1]:
-            jump = hypot(xy[end + 1, 0] - xy[end, 0], xy[end + 1, 1] - xy[end, 1])
-            if jump > max(0.15, 4.0 * ranges[end] * increment):
-                break
+        while end + 1 < n and linked[end]:
             end += 1
-        wide = hypot(xy[end, 0] - xy[start, 0], xy[end, 1] - xy[start, 1])
-        if wide < _ROBOT_SIZE_M and start > 0 and end < n - 1:
+        dx, dy = xy[end, 0] - xy[start, 0], xy[end, 1] - xy[start, 1]
+        if dx * dx + dy * dy < _ROBOT_SIZE_M * _ROBOT_SIZE_M and start > 0 and end < n - 1:
             before, after = ranges[start - 1], ranges[end + 1]
             clear_before = not hit[start - 1] or before > ranges[start] + _CLEAR_BEHIND_M
             clear_after = not hit[end + 1] or after > ranges[end] + _CLEAR_BEHIND_M
@@ -76,8 +87,8 @@ def _standing_free(
 
 @njit(cache=True)
 def _points(
-    ranges: FloatArray32, angle_min: float, increment: float, limit: float, range_max: float
-) -> tuple[Array, Array, NDArray[np.bool_], float]:
+    ranges: FloatArray32, directions: Array, increment: float, limit: float, range_max: float, smooth: bool
+) -> tuple[Array, Array, float]:
     n = ranges.shape[0]
     xy = np.zeros((n, 2))
     hit = np.zeros(n, np.bool_)
@@ -89,39 +100,44 @@ def _points(
             continue
         if r <= 0.02 or r >= limit:
             continue
-        a = angle_min + i * increment
-        xy[i, 0], xy[i, 1] = r * cos(a), r * sin(a)
+        xy[i, 0], xy[i, 1] = r * directions[i, 0], r * directions[i, 1]
         hit[i] = True
-    marked = _standing_free(ranges, xy, hit, increment)
+    gap = np.full(n, inf)  # squared distance to the next beam's point
+    unbroken = np.zeros(n, np.bool_)  # with the next beam, for what stands free
+    for i in range(n - 1):
+        if hit[i] and hit[i + 1]:
+            dx, dy = xy[i + 1, 0] - xy[i, 0], xy[i + 1, 1] - xy[i, 1]
+            gap[i] = dx * dx + dy * dy
+            unbroken[i] = gap[i] <= max(0.15, 4.0 * ranges[i] * increment) ** 2
+    marked = _standing_free(ranges, xy, hit, unbroken)
     points = np.empty((n, 2))
     normals = np.zeros((n, 2))
     standing_free = np.zeros(n, np.bool_)
-    count = 0
+    count, free = 0, 0
     for i in range(n):
         if not hit[i]:
             continue
-        r = hypot(xy[i, 0], xy[i, 1])
-        gate = max(0.12, 4.0 * r * increment)  # neighbours on a surface seen at up to about 75 degrees
+        x, y = xy[i, 0], xy[i, 1]
+        gate = max(0.12, 4.0 * ranges[i] * increment) ** 2  # a surface seen at up to about 75 degrees
         k, mx, my, sxx, sxy, syy = 0, 0.0, 0.0, 0.0, 0.0, 0.0
         for step in (-1, 1):  # walk outwards while the surface continues
-            px, py = xy[i, 0], xy[i, 1]
-            j = i + step
-            while 0 <= j < n and hit[j]:
-                if hypot(xy[j, 0] - px, xy[j, 1] - py) > gate:
+            j = i
+            while True:
+                before = j if step > 0 else j - 1  # gap[before] lies between j and the next one
+                if before < 0 or gap[before] > gate:
                     break
-                far_off = hypot(xy[j, 0] - xy[i, 0], xy[j, 1] - xy[i, 1]) > _SURFACE_M
-                if far_off and abs(j - i) > _NEIGHBOURS:
+                j += step
+                dx, dy = xy[j, 0] - x, xy[j, 1] - y
+                if dx * dx + dy * dy > _SURFACE_M * _SURFACE_M and abs(j - i) > _NEIGHBOURS:
                     break
-                px, py = xy[j, 0], xy[j, 1]
-                dx, dy = px - xy[i, 0], py - xy[i, 1]
                 mx, my = mx + dx, my + dy
                 sxx, sxy, syy = sxx + dx * dx, sxy + dx * dy, syy + dy * dy
                 k += 1
-                j += step
         if k == 0:
             continue  # an isolated return: a mixed pixel at an edge
-        points[count, 0], points[count, 1] = xy[i, 0], xy[i, 1]
+        points[count, 0], points[count, 1] = x, y
         standing_free[count] = marked[i]
+        free += marked[i]
         if k >= 3:
             m = k + 1.0
             cxx, cxy, cyy = sxx - mx * mx / m, sxy - mx * my / m, syy - my * my / m
@@ -133,10 +149,20 @@ def _points(
                 nx, ny = cxy, small - cxx
                 if abs(nx) + abs(ny) < 1e-9:
                     nx, ny = (1.0, 0.0) if cxx < cyy else (0.0, 1.0)
-                size = hypot(nx, ny)
+                size = sqrt(nx * nx + ny * ny)
+                if nx * x + ny * y > 0.0:
+                    size = -size
                 nx, ny = nx / size, ny / size
-                if nx * xy[i, 0] + ny * xy[i, 1] > 0.0:
-                    nx, ny = -nx, -ny
                 normals[count, 0], normals[count, 1] = nx, ny
+                if smooth:
+                    across = (nx * mx + ny * my) / m
+                    points[count, 0], points[count, 1] = x + nx * across, y + ny * across
         count += 1
-    return points[:count].copy(), normals[:count].copy(), standing_free[:count].copy(), far / max(n, 1)
+    if count - free >= _ENOUGH_POINTS and free > 0:
+        kept = 0
+        for i in range(count):
+            if not standing_free[i]:
+                points[kept], normals[kept] = points[i], normals[i]
+                kept += 1
+        count = kept
+    return points[:count].copy(), normals[:count].copy(), far / max(n, 1)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from robots.config import AgentConfig
+from robots.config import AgentConfig, GraphConfig
 from robots.estimation.graph import GraphProblem, GraphSolution, solve
 from robots.se2 import Array, GaussianPose, Pose2
 from robots.types import GraphReport
@@ -29,9 +29,16 @@ class TagGraph:
         self._stamps: list[float] = [stamp_s]
         self._yaws: list[float] = [np.nan if yaw_rad is None else yaw_rad]
         self._edges: list[tuple[int, int, GaussianPose]] = []
-        self._sightings: list[tuple[int, int]] = []
+        self._sightings: dict[tuple[int, int], tuple[int, Array, Array]] = {}  # how many, mean place, spread
+        self._loops: list[tuple[int, int, GaussianPose]] = []
+        self._meetings: list[tuple[str, int, float, tuple[float, float], Array]] = []
         self.tags: dict[str, tuple[int, tuple[float, float]]] = {}  # id -> index, place in the map frame
         self.last_covariance: Array = np.eye(3) * _START_SD**2  # of the newest pose, in the map frame
+
+    @property
+    def last_belief(self) -> GaussianPose:
+        """The newest pose with its covariance."""
+        return GaussianPose(self.poses[-1], self.last_covariance)
 
     @property
     def newest(self) -> int:
@@ -50,14 +57,29 @@ class TagGraph:
         self._edges.append((self.newest - 1, self.newest, measured))
         return self.newest
 
-    def add_sighting(self, tag_id: str) -> bool:
-        """Note that a tag lies under the antenna at the newest pose; say whether the tag is new."""
+    def add_sighting(self, tag_id: str, place_m: tuple[float, float], covariance: Array) -> bool:
+        """Note a tag at a place in the newest pose's frame, covariance (2, 2).
+
+        Say whether that is news of a tag that was known before. Several sightings of a tag from one pose
+        share their errors: their mean counts as one.
+        """
         new = tag_id not in self.tags
         if new:
-            place = self.poses[-1].transform_point(self._config.antenna.ahead_m, 0.0)
-            self.tags[tag_id] = (len(self.tags), place)
-        self._sightings.append((self.newest, self.tags[tag_id][0]))
-        return new
+            self.tags[tag_id] = (len(self.tags), self.poses[-1].transform_point(*place_m))
+        pair = (self.newest, self.tags[tag_id][0])
+        news = not new and pair not in self._sightings
+        count, mean, spread = self._sightings.get(pair, (0, np.zeros(2), covariance))
+        mean = mean + (np.array(place_m) - mean) / (count + 1)
+        self._sightings[pair] = (count + 1, mean, spread)
+        return news
+
+    def add_loop(self, earlier: int, later: int, earlier_from_later: GaussianPose) -> None:
+        """Note that the laser matched two poses."""
+        self._loops.append((earlier, later, earlier_from_later))
+
+    def add_meeting(self, robot_id: str, stamp_s: float, place_m: tuple[float, float], spread: Array) -> None:
+        """Note another robot at a place in the newest pose's frame, covariance (2, 2)."""
+        self._meetings.append((robot_id, self.newest, stamp_s, place_m, spread))
 
     def solve(self) -> None:
         """Move poses and tags to where they best explain all displacements (eq. 5)."""
@@ -67,36 +89,19 @@ class TagGraph:
         self.tags = {tag_id: (index, places[index]) for tag_id, (index, _) in self.tags.items()}
         self.last_covariance = solution.pose_covariance(self.newest)
 
-    def _solve(self) -> GraphSolution:
-        config = self._config.graph
-        return solve(self.problem(), config.method, config.max_iterations, config.tag_kernel_sd)
+    def relative(self, first: int, second: int) -> GaussianPose:
+        """Return pose ``second`` in the frame of pose ``first`` as everything measured so far has it."""
+        solution = self._solve()
+        a, b = (Pose2.from_array(solution.poses[index]) for index in (first, second))
+        return GaussianPose(a.between(b), solution.marginals.relative(first, second))
 
-    def problem(self) -> GraphProblem:
-        """Return the arrays of the graph, held in place at its start."""
-        report = self.report()
-        known = np.flatnonzero(np.isfinite(report.yaws_rad))
-        return GraphProblem(
-            poses=report.poses,
-            tags=report.tags,
-            edge_pairs=report.edge_pairs,
-            edge_poses=report.edge_poses,
-            edge_covariances=report.edge_covariances,
-            sighting_pairs=report.sighting_pairs,
-            sighting_offsets=report.sighting_offsets,
-            sighting_covariances=report.sighting_covariances,
-            prior_index=np.zeros(1, np.int64),
-            prior_poses=report.poses[:1],
-            prior_sds=np.full((1, 3), _START_SD),
-            heading_index=known,
-            heading_rad=report.yaws_rad[known],
-            heading_sd_rad=np.full(len(known), _BEND_SD_RAD),
-        )
+    def _solve(self) -> GraphSolution:
+        return solve_report(self.report(), self._config.graph)
 
     def report(self) -> GraphReport:
         """Return the graph as it leaves the process."""
         places = sorted(self.tags.items(), key=lambda item: item[1][0])
-        antenna = self._config.antenna
-        n = len(self._sightings)
+        seen = list(self._sightings.values())
         return GraphReport(
             poses=np.array([pose.as_array() for pose in self.poses]),
             stamps_s=np.array(self._stamps),
@@ -106,7 +111,47 @@ class TagGraph:
             edge_pairs=np.array([(i, j) for i, j, _ in self._edges], np.int64).reshape(-1, 2),
             edge_poses=np.array([edge.mean.as_array() for _, _, edge in self._edges]).reshape(-1, 3),
             edge_covariances=np.array([edge.covariance for _, _, edge in self._edges]).reshape(-1, 3, 3),
-            sighting_pairs=np.array(self._sightings, np.int64).reshape(-1, 2),
-            sighting_offsets=np.tile([antenna.ahead_m, 0.0], (n, 1)),
-            sighting_covariances=np.tile(np.diag(antenna.variances), (n, 1, 1)),
+            sighting_pairs=np.array(list(self._sightings), np.int64).reshape(-1, 2),
+            sighting_offsets=np.array([mean for _, mean, _ in seen]).reshape(-1, 2),
+            sighting_covariances=np.array([spread for _, _, spread in seen]).reshape(-1, 2, 2),
+            loop_pairs=np.array([(i, j) for i, j, _ in self._loops], np.int64).reshape(-1, 2),
+            loop_poses=np.array([loop.mean.as_array() for _, _, loop in self._loops]).reshape(-1, 3),
+            loop_covariances=np.array([loop.covariance for _, _, loop in self._loops]).reshape(-1, 3, 3),
+            meeting_robots=tuple(robot_id for robot_id, _, _, _, _ in self._meetings),
+            meeting_poses=np.array([vertex for _, vertex, _, _, _ in self._meetings], np.int64),
+            meeting_stamps_s=np.array([stamp for _, _, stamp, _, _ in self._meetings]),
+            meeting_offsets=np.array([place for _, _, _, place, _ in self._meetings]).reshape(-1, 2),
+            meeting_covariances=np.array([spread for _, _, _, _, spread in self._meetings]).reshape(-1, 2, 2),
         )
+
+
+def solve_report(report: GraphReport, config: GraphConfig) -> GraphSolution:
+    """Solve one robot's graph, held in place at its start (eq. 5).
+
+    Raises:
+        GraphError: it cannot be solved; the message says why.
+    """
+    return solve(graph_problem(report), config.method, config.max_iterations, config.tag_kernel_sd)
+
+
+def graph_problem(report: GraphReport) -> GraphProblem:
+    """Return the arrays of one robot's graph, held in place at its start."""
+    edges = len(report.edge_pairs)
+    known = np.flatnonzero(np.isfinite(report.yaws_rad))
+    return GraphProblem(
+        poses=report.poses,
+        tags=report.tags,
+        edge_pairs=np.concatenate([report.edge_pairs, report.loop_pairs]),
+        edge_poses=np.concatenate([report.edge_poses, report.loop_poses]),
+        edge_covariances=np.concatenate([report.edge_covariances, report.loop_covariances]),
+        edge_robust=np.arange(edges + len(report.loop_pairs)) >= edges,
+        sighting_pairs=report.sighting_pairs,
+        sighting_offsets=report.sighting_offsets,
+        sighting_covariances=report.sighting_covariances,
+        prior_index=np.zeros(1, np.int64),
+        prior_poses=report.poses[:1],
+        prior_sds=np.full((1, 3), _START_SD),
+        heading_index=known,
+        heading_rad=report.yaws_rad[known],
+        heading_sd_rad=np.full(len(known), _BEND_SD_RAD),
+    )

@@ -13,17 +13,20 @@ from math import cos, sin, sqrt
 import numpy as np
 
 from robots.config import AgentConfig
+from robots.estimation.contradiction import share_seen_through
 from robots.estimation.kalman import fuse
 from robots.estimation.local_map import LocalMap
 from robots.estimation.odometry import motion_covariance, motion_mean, predict
 from robots.estimation.scan_matching import match
-from robots.estimation.scan_points import scan_points
+from robots.estimation.scan_points import ScanPoints, scan_points
 from robots.se2 import Array, GaussianPose, Pose2, wrap
 from robots.types import ImuReading, LaserScan, Odometry
 
 _REFERENCE_M = 1.0  # the reference moves on after so much: about the stretch whose scans overlap fully
 _CONTRADICTION = 16.0  # squared Mahalanobis distance, 3 degrees of freedom: one honest match in a thousand
 _PATIENCE = 5  # scans, a second
+_SEEN_THROUGH, _LOST_SCANS, _KNOWN_SCANS = 0.5, 3, 5  # so many scans in a row, in a map of so many scans
+_LOST_SD_M, _LOST_SD_RAD = 10.0, 1.8  # anywhere near, facing anywhere
 _BLIND_REFERENCE_M = 3.0  # and after so much where no scan can be matched
 
 
@@ -35,11 +38,14 @@ class PoseTracker:
         self.local_from_base = Pose2(0.0, 0.0, heading_rad)
         self.distance_m = 0.0
         self.matched = False
+        self.points: ScanPoints | None = None  # of the latest scan
+        self.lost = False  # the latest scan showed that the robot is not where it thought
         self._local_from_reference = self.local_from_base
         self._anchor_from_reference = GaussianPose.exact()
         self._reference_from_base = GaussianPose.exact()
         self._matched_here = False  # a scan was matched since the reference was set
         self._contradictions = 0  # matches in a row that were put aside
+        self._foreign = 0  # scans in a row that look through the map's surfaces
         self._yaw_rad: float | None = None
         self._stamp_s: float | None = None
         self._map: LocalMap | None = None
@@ -55,11 +61,12 @@ class PoseTracker:
     ) -> None:
         """Move by the wheels, turn by the inertial unit where there is one (eq. 1 and 2)."""
         config = self._config
+        since_s = 0.0 if self._stamp_s is None else max(stamp_s - self._stamp_s, 0.0)
         turn, turn_sd = None, None
         if imu is not None:
-            if self._yaw_rad is not None and self._stamp_s is not None:
+            if self._yaw_rad is not None:
                 turn = wrap(imu.yaw_rad - self._yaw_rad)
-                turn_sd = config.imu.yaw_drift_sd_rad * sqrt(max(stamp_s - self._stamp_s, 1e-6))
+                turn_sd = config.imu.yaw_drift_sd_rad * sqrt(max(since_s, 1e-6))
             self._yaw_rad = imu.yaw_rad
         self._stamp_s = stamp_s
         mean = motion_mean(odometry, turn, config.body)
@@ -68,29 +75,54 @@ class PoseTracker:
         if config.poses == "truth":
             covariance = np.zeros((3, 3))
         else:
-            covariance = motion_covariance(
-                mean, config.odometry, config.body.track_width_m / 2.0, turn_sd, slipping
-            )
+            arm_m = config.body.track_width_m / 2.0
+            slipping_s = since_s if slipping else 0.0
+            covariance = motion_covariance(mean, config.odometry, arm_m, turn_sd, slipping_s)
         self.distance_m += sqrt(mean.x**2 + mean.y**2)
         self._reference_from_base = predict(self._reference_from_base, GaussianPose(mean, covariance))
         self._settle(_BLIND_REFERENCE_M)  # never right before a match: a fresh reference counts as exact
 
     def match(self, scan: LaserScan) -> bool:
-        """Match a scan against the local map and fuse (eq. 3 and 4); say whether it could be used."""
+        """Match a scan against the local map and fuse (eq. 3 and 4); say whether it could be used.
+
+        Scans that see through the map's surfaces mean that the robot was carried off: then it is ``lost``,
+        which the displacement's covariance says, and a new local map begins.
+        """
         config = self._config.scan_match
+        self.lost = False
         if self._config.poses == "truth":
             return False
-        points = scan_points(scan, config.max_range_m)
+        points = self.points = scan_points(scan, config.max_range_m)
         if self._map is None:
             reach = min(config.max_range_m, scan.range_max_m)
             self._map = LocalMap(config.local_scans, reach + config.local_scans * config.insert_after_m / 2.0)
         result = match(self._map, points, self.local_from_base, config)
         self.matched = result is not None and self._fuse(result.pose)
+        if result is None and self._is_foreign(scan):
+            self._lose()
         usable = points.far_fraction <= config.max_far_fraction and len(points.points) >= config.min_points
-        if usable and self._moved_since_insert():
+        if usable and not self._foreign and self._moved_since_insert():
             self._map.insert(self.local_from_base, points.points, points.normals)
             self._last_insert = self.local_from_base
         return self.matched
+
+    def _is_foreign(self, scan: LaserScan) -> bool:
+        if self._map is None or len(self._map) < _KNOWN_SCANS:
+            return False
+        through = share_seen_through(scan, self.local_from_base, self._map.points)
+        self._foreign = self._foreign + 1 if through > _SEEN_THROUGH else 0
+        return self._foreign >= _LOST_SCANS
+
+    def _lose(self) -> None:
+        self._foreign = 0
+        self.lost = True
+        if self._map is not None:
+            self._map.clear()
+        self._last_insert = None
+        heading = _LOST_SD_RAD if self._yaw_rad is None else 0.0  # a compass goes on knowing it
+        anywhere = np.diag([_LOST_SD_M**2, _LOST_SD_M**2, heading**2])
+        belief = self._reference_from_base
+        self._reference_from_base = GaussianPose(belief.mean, belief.covariance + anywhere)
 
     def _fuse(self, matched: GaussianPose) -> bool:
         """Fuse the scan matcher's pose; say whether it was believed.
@@ -110,7 +142,7 @@ class PoseTracker:
             return False
         if self._contradictions >= _PATIENCE:
             loosened = GaussianPose(loosened.mean, loosened.covariance + np.diag([0.04, 0.04, 0.01]))
-        self._contradictions = 0
+        self._contradictions = self._foreign = 0
         self._reference_from_base = fuse(loosened, seen)  # (3), (4)
         self._matched_here = True
         self._settle(_REFERENCE_M)

@@ -22,8 +22,8 @@ class Agent(Protocol):
     def step(self, observation: Observation) -> AgentUpdate:
         """Return what the agent makes of one observation."""
 
-    def report(self) -> AgentUpdate:
-        """Return the latest update once more, with the whole graph, all submaps and all victims."""
+    def smoothed(self) -> AgentUpdate:
+        """Return the latest update with all submaps, all victims and the graph after a batch solve."""
 
 
 AgentFactory = Callable[[str, AgentConfig], Agent]

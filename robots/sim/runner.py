@@ -120,8 +120,8 @@ class _Timed:
         self._steps_s.append(time.perf_counter() - start)
         return update
 
-    def report(self) -> AgentUpdate:
-        return self._agent.report()
+    def smoothed(self) -> AgentUpdate:
+        return self._agent.smoothed()
 
 
 def run(
@@ -161,7 +161,7 @@ def run(
         if stop():
             stopped = True
             break
-    reports = {robot_id: agent.report() for robot_id, agent in agents.items()}
+    reports = {robot_id: agent.smoothed() for robot_id, agent in agents.items()}
     robots = tuple(
         _result(simulation, robot_id, logs[robot_id], reports[robot_id]) for robot_id in config.robot_ids
     )

@@ -49,7 +49,8 @@ class ScenarioConfig:
     """A scenario. The same scenario gives the same mission, bit for bit.
 
     ``map`` is a map_server YAML file, ``office:AREA`` or ``open:AREA``. With ``poses="truth"`` odometry and
-    IMU are exact. ``agent_config`` is what every robot's agent is told; ``agent_for`` completes it.
+    IMU are exact. ``agent_config`` is what every robot's agent is told; ``agent_for`` completes it. Compasses
+    are off by a constant each, up to ``compass_off_rad`` to either side.
     """
 
     map: str = "office:300"
@@ -69,6 +70,7 @@ class ScenarioConfig:
     heat: HeatConfig = field(default_factory=HeatConfig)
     hostile: HostileConfig = field(default_factory=HostileConfig)
     imu: bool = True
+    compass_off_rad: float = 0.0
     sonars: int = 0
     infrareds: int = 0
     tag_bits: int = 2048
@@ -87,6 +89,7 @@ class ScenarioConfig:
         _within("laser.field_of_view_rad", self.laser.field_of_view_rad, 0.01, 2.0 * np.pi)
         _within("laser.sd_m", self.laser.sd_m, 0.0, 1.0)
         _within("laser_hz", self.laser_hz, 0.5, ODOMETRY_HZ)
+        _within("compass_off_rad", self.compass_off_rad, 0.0, np.pi)
         _within("tag_bits", self.tag_bits, 0, 1_000_000)
         _within("sonars", self.sonars, 0, 64)
         _within("infrareds", self.infrareds, 0, 64)

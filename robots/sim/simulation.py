@@ -57,7 +57,8 @@ class _Robot:
         exact = config.poses == "truth"
         streams = [np.random.default_rng([config.seed, 10 + stream, index]) for stream in range(_STREAMS)]
         self.wheels = Wheels(0 if exact else config.noise_level, track_m, streams[0])
-        self.imu = Imu(world, exact, streams[1]) if config.imu else None
+        off = config.compass_off_rad * np.random.default_rng([config.seed, 20, index]).uniform(-1.0, 1.0)
+        self.imu = Imu(world, exact, streams[1], float(off)) if config.imu else None
         self.laser = Laser(world, config.laser, streams[2])
         self.camera = ThermalCamera(world, config.heat, streams[3])
         self.ring = Ring(world, config.sonars, config.infrareds, streams[4])
@@ -122,8 +123,9 @@ class Simulation:
 
     def world_from_map(self, robot_id: str) -> Pose2:
         """Return where the map frame of a robot lies: at its start, north up where an IMU knows north."""
-        start = self.starts[self.index[robot_id]]
-        return Pose2(start.x, start.y, 0.0) if self.config.imu else start
+        index = self.index[robot_id]
+        start, imu = self.starts[index], self._robots[index].imu
+        return start if imu is None else Pose2(start.x, start.y, -imu.off_rad)
 
     def driven_m(self, robot_id: str) -> float:
         """Return the true distance a robot has driven."""

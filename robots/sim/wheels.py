@@ -15,9 +15,10 @@ from dataclasses import dataclass
 from math import atan, cos, exp, pi, radians, sin, sqrt
 
 import numpy as np
+from numba import njit
 
 from robots.config import OdometryConfig
-from robots.se2 import wrap
+from robots.se2 import Array, wrap, wrap_array
 from robots.sim.world import World
 from robots.types import ImuReading, WheelEncoders
 
@@ -75,15 +76,41 @@ class Wheels:
 
     def read(self, speed_mps: float, turn_radps: float, dt_s: float, grip: float) -> WheelEncoders:
         """Return the encoders after a tick in which the wheels ran at this speed and turn rate."""
-        z = self._rng.standard_normal(9)
-        aside = turn_radps * self._track_m / 2.0
-        readings = []
-        for wheel, side in enumerate((-1.0, 1.0, -1.0, 1.0)):
-            rolled = (speed_mps + side * aside) * dt_s
-            walk = self._noise.shared_walk * z[0] + self._noise.wheel_walk * z[1 + wheel]
-            spin = abs(z[5 + wheel]) * _SPIN * (1.0 - grip) * rolled
-            readings.append(float(rolled * self._gains[wheel] + sqrt(abs(rolled)) * walk + spin))
-        return WheelEncoders(*readings)
+        row = self.read_all(np.array([speed_mps]), np.array([turn_radps]), dt_s, np.array([grip]))[0]
+        return WheelEncoders(*row.tolist())
+
+    def read_all(self, speeds_mps: Array, turns_radps: Array, dt_s: float, grips: Array) -> Array:
+        """Return the encoders, (n, 4), after each of n ticks; what ``read`` would say one after the other.
+
+        Columns: front left, front right, rear left, rear right.
+        """
+        noise = self._noise
+        readings: Array = _readings(
+            speeds_mps,
+            turns_radps * (self._track_m / 2.0),
+            dt_s,
+            grips,
+            self._rng.standard_normal((len(speeds_mps), 9)),
+            self._gains,
+            noise.shared_walk,
+            noise.wheel_walk,
+        )
+        return readings
+
+
+@njit(cache=True)
+def _readings(
+    speeds: Array, asides: Array, dt_s: float, grips: Array, z: Array, gains: Array, shared: float, own: float
+) -> Array:
+    """The encoder model; ``asides`` is what the turn adds to the speed of the right wheels, ``z`` (n, 9)."""
+    readings = np.empty((len(speeds), 4))
+    for k in range(len(speeds)):
+        for wheel in range(4):
+            rolled = (speeds[k] + (asides[k] if wheel % 2 else -asides[k])) * dt_s
+            walk = shared * z[k, 0] + own * z[k, 1 + wheel]
+            spin = abs(z[k, 5 + wheel]) * _SPIN * (1.0 - grips[k]) * rolled
+            readings[k, wheel] = rolled * gains[wheel] + sqrt(abs(rolled)) * walk + spin
+    return readings
 
 
 _BIAS_SD_RAD = radians(1.0)
@@ -93,9 +120,15 @@ _WHITE_SD_RAD = radians(0.2)
 
 
 class Imu:
-    """An inertial unit: yaw with a slow bounded bias (Ornstein-Uhlenbeck) and white noise, roll, pitch."""
+    """An inertial unit: yaw with a slow bounded bias (Ornstein-Uhlenbeck) and white noise, roll, pitch.
 
-    def __init__(self, world: World, exact: bool, rng: np.random.Generator) -> None:
+    Without a world the floor is level. ``off_rad``: by which its north lies beside the true one, always.
+    """
+
+    def __init__(
+        self, world: World | None, exact: bool, rng: np.random.Generator, off_rad: float = 0.0
+    ) -> None:
+        self.off_rad = off_rad
         self._world = world
         self._scale = 0.0 if exact else 1.0
         self._rng = rng
@@ -104,20 +137,33 @@ class Imu:
     def read(self, x_m: float, y_m: float, theta_rad: float, dt_s: float) -> ImuReading:
         """Return the reading at a true pose, ``dt_s`` after the one before."""
         z = self._rng.standard_normal(4)
-        keep = exp(-dt_s / _BIAS_TIME_S)
-        bias = keep * self._bias_rad + _BIAS_SD_RAD * sqrt(1.0 - keep * keep) * float(z[0])
-        self._bias_rad = min(max(bias, -_BIAS_LIMIT_RAD), _BIAS_LIMIT_RAD)
+        self._bias_rad = self._next_bias(float(z[0]), dt_s)
         white = self._scale * _WHITE_SD_RAD
         roll, pitch = self._tilt(x_m, y_m, theta_rad)
         return ImuReading(
-            wrap(theta_rad + self._scale * self._bias_rad + white * float(z[1])),
+            wrap(theta_rad + self.off_rad + self._scale * self._bias_rad + white * float(z[1])),
             roll + white * float(z[2]),
             pitch + white * float(z[3]),
         )
 
+    def yaws(self, thetas_rad: Array, dt_s: float) -> Array:
+        """Return the yaw of each of n readings one after the other, (n,), at true headings, (n,)."""
+        z = self._rng.standard_normal((len(thetas_rad), 4))
+        biases = np.empty(len(z))
+        for k, draw in enumerate(z[:, 0].tolist()):
+            biases[k] = self._bias_rad = self._next_bias(draw, dt_s)
+        return wrap_array(
+            thetas_rad + self.off_rad + self._scale * biases + self._scale * _WHITE_SD_RAD * z[:, 1]
+        )
+
+    def _next_bias(self, draw: float, dt_s: float) -> float:
+        keep = exp(-dt_s / _BIAS_TIME_S)
+        bias = keep * self._bias_rad + _BIAS_SD_RAD * sqrt(1.0 - keep * keep) * draw
+        return min(max(bias, -_BIAS_LIMIT_RAD), _BIAS_LIMIT_RAD)
+
     def _tilt(self, x_m: float, y_m: float, theta_rad: float) -> tuple[float, float]:
         """Return roll (positive with the left side up) and pitch (positive with the nose down)."""
-        if self._world.slope is None:
+        if self._world is None or self._world.slope is None:
             return 0.0, 0.0
         by_x, by_y = self._world.slope[self._world.cell(x_m, y_m)]
         c, s = cos(theta_rad), sin(theta_rad)

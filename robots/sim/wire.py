@@ -23,6 +23,7 @@ from robots.types import (
     Observation,
     Odometry,
     RangeReading,
+    RobotSighting,
     TagSighting,
     TagWrite,
     WheelEncoders,
@@ -50,10 +51,9 @@ def observation_to_wire(observation: Observation) -> Json:
     if observation.beams:
         wire["beams"] = [_fields(beam) for beam in observation.beams]
     if observation.tag_sightings:
-        wire["tag_sightings"] = [
-            {"tag_id": sighting.tag_id, "memory": _text(sighting.memory)}
-            for sighting in observation.tag_sightings
-        ]
+        wire["tag_sightings"] = [_tag_to_wire(sighting) for sighting in observation.tag_sightings]
+    if observation.robot_sightings:
+        wire["robot_sightings"] = [_fields(sighting) for sighting in observation.robot_sightings]
     if observation.heat:
         wire["heat"] = [_fields(reading) for reading in observation.heat]
     if observation.battery is not None:
@@ -80,10 +80,8 @@ def observation_from_wire(wire: Json) -> Observation:
         imu=ImuReading(**wire["imu"]) if "imu" in wire else None,
         scan=_scan_from_wire(wire["scan"]) if "scan" in wire else None,
         beams=tuple(RangeReading(**beam) for beam in wire.get("beams", ())),
-        tag_sightings=tuple(
-            TagSighting(item["tag_id"], base64.b64decode(item["memory"]))
-            for item in wire.get("tag_sightings", ())
-        ),
+        tag_sightings=tuple(_tag_from_wire(item) for item in wire.get("tag_sightings", ())),
+        robot_sightings=tuple(RobotSighting(**item) for item in wire.get("robot_sightings", ())),
         heat=tuple(HeatReading(**reading) for reading in wire.get("heat", ())),
         battery=wire.get("battery"),
         tags_left=wire.get("tags_left"),
@@ -123,6 +121,19 @@ def _fields(value: Any) -> Json:
 
 def _text(data: bytes) -> str:
     return base64.b64encode(data).decode()
+
+
+def _tag_to_wire(sighting: TagSighting) -> Json:
+    wire: Json = {"tag_id": sighting.tag_id, "memory": _text(sighting.memory)}
+    if sighting.range_m is not None:
+        wire |= {"range_m": sighting.range_m, "bearing_rad": sighting.bearing_rad}
+    return wire
+
+
+def _tag_from_wire(wire: Json) -> TagSighting:
+    return TagSighting(
+        wire["tag_id"], base64.b64decode(wire["memory"]), wire.get("range_m"), wire.get("bearing_rad")
+    )
 
 
 def _scan_to_wire(scan: LaserScan) -> Json:

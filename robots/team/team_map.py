@@ -9,18 +9,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from robots.estimation.graph import solve
 from robots.mapping.fused import FusedGrid
 from robots.mapping.submap import unpack
-from robots.se2 import Array, Pose2
-from robots.team.frames import join_frames
-from robots.team.problem import joint_problem, moved
-from robots.team.types import StartPose, TeamGrid, TeamRobot, TeamTag, TeamUpdate, TeamVictim
+from robots.se2 import Pose2
+from robots.team.history import History
+from robots.team.joint import JointSolution, Method, solve_together
+from robots.team.laser_loops import LaserLoops
+from robots.team.types import StartPose, TeamGrid, TeamRobot, TeamUpdate, TeamVictim
 from robots.team.victims import in_world, merge_victims
 from robots.types import AgentUpdate, FloatArray32, GraphReport, SubmapReport, VictimEstimate
 
@@ -37,6 +36,7 @@ class _Member:
     graph_seq: int = -1
     submaps: dict[int, SubmapReport] = field(default_factory=dict)
     victims: dict[str, VictimEstimate] = field(default_factory=dict)
+    history: History = field(default_factory=History)
     # cell -> seq, x, y
     trail: dict[tuple[int, int, int], tuple[int, float, float]] = field(default_factory=dict)
 
@@ -47,18 +47,15 @@ class TeamMap:
     ``method`` as in ``robots.estimation.graph.solve``.
     """
 
-    def __init__(
-        self, resolution_m: float = 0.05, method: Literal["gauss-newton", "linear"] = "gauss-newton"
-    ) -> None:
+    def __init__(self, resolution_m: float = 0.05, method: Method = "gauss-newton") -> None:
         self._method = method
         self._members: dict[str, _Member] = {}
         self._grid = FusedGrid(resolution_m)
         self._grid_version = 0
         self._unpacked: dict[tuple[str, int], tuple[int, NDArray[np.int8]]] = {}
         self._graphs_changed = True
-        self._anchors: dict[str, Array] = {}
-        self._located: frozenset[str] = frozenset()
-        self._tags: tuple[TeamTag, ...] = ()
+        self._lasers = LaserLoops()
+        self._solution = JointSolution()
 
     def add_robot(self, robot_id: str, start: StartPose | None) -> None:
         """Make a robot known, with its surveyed start pose where there is one."""
@@ -80,11 +77,13 @@ class TeamMap:
             known = member.submaps.get(submap.anchor)
             if known is None or submap.version > known.version:
                 member.submaps[submap.anchor] = submap
+                self._graphs_changed = True  # there may be loops to be matched by laser
         for victim in update.victims:
             seen = member.victims.get(victim.victim_id)
             if seen is None or victim.sightings > seen.sightings:
                 member.victims[victim.victim_id] = victim
         place = update.anchor_from_base
+        member.history.put(update.seq, update.stamp_s, update.anchor, place)
         cell = (update.anchor, round(place.x / _TRAIL_M), round(place.y / _TRAIL_M))
         first = member.trail.get(cell)
         if first is None or update.seq < first[0]:
@@ -97,51 +96,37 @@ class TeamMap:
             self._graphs_changed = False
         self._draw()
         victims = self._merged_victims()
+        solution = self._solution
         robots = tuple(
-            TeamRobot(robot_id, robot_id in self._located, self._anchors[robot_id], self._trail(robot_id))
-            for robot_id in sorted(self._anchors)
+            TeamRobot(
+                robot_id,
+                robot_id in solution.located,
+                solution.anchors[robot_id],
+                self._trail(robot_id),
+                solution.covariances.get(robot_id),
+            )
+            for robot_id in sorted(solution.anchors)
         )
         explored = float((self._grid.cells <= _FREE).sum()) * self._grid.resolution_m**2
-        return TeamUpdate(robots, self._tags, self._links(), victims, self._team_grid(), explored)
+        return TeamUpdate(
+            robots, solution.tags, self._links(), victims, self._team_grid(), explored, solution.notices
+        )
 
     def _solve_graphs(self) -> None:
         graphs = {name: m.graph for name, m in sorted(self._members.items()) if m.graph is not None}
-        starts = {name: self._members[name].start for name in graphs}
-        frames = join_frames(graphs, starts)
-        self._located = frozenset(frames)
-        self._anchors = {
-            name: moved(frames.get(name, Pose2()), graph.poses) for name, graph in graphs.items()
-        }
-        self._tags = ()
-        if not frames:
-            return
-        names = sorted(frames)
-        tag_ids = sorted({tag for name in names for tag in graphs[name].tag_ids})
-        problem, offsets = joint_problem(names, graphs, starts, frames, tag_ids)
-        solution = solve(problem, self._method)
-        for name in names:
-            at = offsets[name]
-            self._anchors[name] = solution.poses[at : at + len(graphs[name].poses)]
-        counts: dict[str, dict[str, int]] = {tag: {} for tag in tag_ids}
-        for name in names:
-            for index in graphs[name].sighting_pairs[:, 1]:
-                of_tag = counts[graphs[name].tag_ids[int(index)]]
-                of_tag[name] = of_tag.get(name, 0) + 1
-        self._tags = tuple(
-            TeamTag(
-                tag_id=tag,
-                x_m=float(solution.tags[k, 0]),
-                y_m=float(solution.tags[k, 1]),
-                covariance=solution.tag_covariance(k),
-                sightings=sum(counts[tag].values()),
-                robots=tuple(sorted(counts[tag])),
-            )
-            for k, tag in enumerate(tag_ids)
+        members = {name: self._members[name] for name in graphs}
+        self._solution = solve_together(
+            graphs,
+            {name: member.start for name, member in members.items()},
+            {name: member.history for name, member in members.items()},
+            {name: member.submaps for name, member in members.items()},
+            self._lasers,
+            self._method,
         )
 
     def _links(self) -> tuple[tuple[str, str], ...]:
         pairs: set[tuple[str, str]] = set()
-        for name in sorted(self._located):
+        for name in sorted(self._solution.located):
             graph = self._members[name].graph
             if graph is None:
                 continue
@@ -153,12 +138,12 @@ class TeamMap:
 
     def _draw(self) -> None:
         changed = False
-        for key in [key for key in self._unpacked if key[0] not in self._located]:
+        for key in [key for key in self._unpacked if key[0] not in self._solution.located]:
             self._grid.drop(key)  # it was the world until somebody else was heard
             del self._unpacked[key]
             changed = True
-        for name in sorted(self._located):
-            anchors = self._anchors[name]
+        for name in sorted(self._solution.located):
+            anchors = self._solution.anchors[name]
             for anchor, report in sorted(self._members[name].submaps.items()):
                 if anchor >= len(anchors):
                     continue  # its graph is still on the way
@@ -179,7 +164,7 @@ class TeamMap:
         return TeamGrid(occupancy, origin, self._grid.resolution_m, self._grid_version)
 
     def _trail(self, robot_id: str) -> FloatArray32:
-        anchors = self._anchors[robot_id]
+        anchors = self._solution.anchors[robot_id]
         # the anchors themselves, too: what was put in before a restart may not be known point by point
         points = sorted(
             [(anchor, seq, x, y) for (anchor, _, _), (seq, x, y) in self._members[robot_id].trail.items()]
@@ -198,15 +183,16 @@ class TeamMap:
         return trail
 
     def _merged_victims(self) -> tuple[TeamVictim, ...]:
-        seen = []
-        for name in sorted(self._located):
-            anchors = self._anchors[name]
-            seen += [
-                in_world(name, victim, Pose2.from_array(anchors[victim.anchor]))
-                for victim in self._members[name].victims.values()
-                if victim.anchor < len(anchors)
-            ]
-        return merge_victims(seen)
+        seen, anchored = [], {}
+        for name in sorted(self._solution.located):
+            anchors = self._solution.anchors[name]
+            for victim in self._members[name].victims.values():
+                if victim.anchor < len(anchors):
+                    seen.append(in_world(name, victim, Pose2.from_array(anchors[victim.anchor])))
+                    anchored[victim.victim_id] = name, victim.anchor
+        return merge_victims(
+            seen, lambda a, b: self._solution.between(anchored[a.victim_id], anchored[b.victim_id])
+        )
 
 
 def _snapped(place: Pose2) -> Pose2:

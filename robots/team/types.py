@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from robots.se2 import Array, Pose2
 from robots.types import FloatArray32
+
+TagCondition = Literal["sound", "moved", "cloned", "doubtful"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,24 +31,48 @@ class TeamRobot:
     """A robot in the team's map.
 
     ``anchors`` (n, 3) world poses of its pose vertices, ``trail_m`` (k, 2) where it drove. Not ``located``:
-    nothing joins it to the world yet; its poses are in its own map frame.
+    nothing joins it to the world yet; its poses are in its own map frame. ``covariance`` (3, 3) of its newest
+    anchor in the joint solution; None where it is not located.
     """
 
     robot_id: str
     located: bool
     anchors: Array
     trail_m: FloatArray32
+    covariance: Array | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TeamTag:
-    """A tag in the world: place in metres, covariance (2, 2) in m2, how often and by whom it was read."""
+    """A tag in the world: place in metres, covariance (2, 2) in m2, how often and by whom it was read.
+
+    ``state``: *sound*; *moved*: it lies here now, and lay elsewhere before; *cloned*: one of several places
+    where tags answer to this id, the others are ``ID#2`` and so on; *doubtful*: a sighting contradicted all
+    others. ``notice``: what is wrong with it, for the operator; empty where nothing is.
+    """
 
     tag_id: str
     x_m: float
     y_m: float
     covariance: Array
     sightings: int
+    robots: tuple[str, ...]
+    state: TagCondition = "sound"
+    notice: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class TeamNotice:
+    """Something the operator should know about a tag or a robot's way.
+
+    ``about``: id of the tag, or of the robot for ``way``. ``since_s``: mission time of the first sighting, or
+    way, that shows it. ``robots``: who saw it.
+    """
+
+    kind: Literal["moved", "cloned", "doubtful", "way"]
+    about: str
+    text: str
+    since_s: float
     robots: tuple[str, ...]
 
 
@@ -62,6 +89,7 @@ class TeamVictim:
     robots: tuple[str, ...]
     first_seen_s: float
     last_seen_s: float
+    kind: str = "person"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -81,7 +109,7 @@ class TeamGrid:
 class TeamUpdate:
     """Everything the team knows together, in the world frame.
 
-    ``links``: pairs of tags driven one after the other.
+    ``links``: pairs of tags driven one after the other. ``notices``: what is wrong, by kind and subject.
     """
 
     robots: tuple[TeamRobot, ...]
@@ -90,3 +118,4 @@ class TeamUpdate:
     victims: tuple[TeamVictim, ...]
     grid: TeamGrid | None
     explored_m2: float
+    notices: tuple[TeamNotice, ...] = ()

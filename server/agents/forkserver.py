@@ -18,11 +18,12 @@ import sys
 import time
 from types import ModuleType
 
-from server.agents.warming import warm_up
+from robots.warmup import warm_up
+from server.agents.best_servant import BestServant
 from server.agents.worker import AgentServant, Servant, TeamServant, serve
 
 PID = struct.Struct("<i")
-AGENT, TEAM = b"a", b"t"
+AGENT, TEAM, BEST = b"a", b"t", b"b"
 _PATIENCE_S = 1.0  # for a worker in the middle of a step when the server is gone
 
 
@@ -30,7 +31,10 @@ def main(control_fd: int, agent_module: str, team_module: str) -> None:
     """Fork a worker for every request on the control socket until it closes."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the server's to handle
     agent, team = importlib.import_module(agent_module), importlib.import_module(team_module)
-    warm_up(agent)
+    try:
+        warm_up()  # what is compiled or loaded here, every worker has
+    except Exception as error:  # it costs time later, nothing else
+        print(f"waymark: the warm-up failed: {error!r}", file=sys.stderr)
     children: set[int] = set()
     with socket.socket(fileno=control_fd) as control:
         while True:
@@ -58,13 +62,18 @@ def _fork(control: socket.socket, fd: int, role: bytes, agent: ModuleType, team:
     code = 1
     try:
         control.close()
-        servant: Servant = AgentServant(agent) if role == AGENT else TeamServant(team)
         with socket.socket(fileno=fd) as connection:
-            code = serve(connection, servant)
+            code = serve(connection, _servant(role, agent, team))
     except BaseException:
         sys.excepthook(*sys.exc_info())
     finally:
         os._exit(code)  # a forked child must not run the parent's exit handlers
+
+
+def _servant(role: bytes, agent: ModuleType, team: ModuleType) -> Servant:
+    if role == AGENT:
+        return AgentServant(agent)
+    return TeamServant(team) if role == TEAM else BestServant(agent, team)
 
 
 def _ended(children: set[int]) -> set[int]:

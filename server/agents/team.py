@@ -17,6 +17,7 @@ import structlog
 
 from db.records import StartPoseRecord
 from robots import codec
+from robots.se2 import Array
 from robots.team import TeamUpdate
 from robots.types import AgentUpdate, GraphReport, SubmapReport, VictimEstimate
 from server.agents.forkserver import TEAM
@@ -130,6 +131,12 @@ class TeamHost:
         share.put(update)
         if share.changed:
             self._changed.set()
+
+    def way(self, robot_id: str, until_seq: int) -> Array:
+        """Return where a robot was up to an observation, as ``server.agents.best`` takes it: shape (n, 6)."""
+        steps = [step for step in self._shares[robot_id].steps.values() if step.seq <= until_seq]
+        rows = [(s.seq, s.stamp_s, s.anchor, *s.anchor_from_base.as_array()) for s in steps]
+        return np.array(rows, np.float64).reshape(-1, 6)
 
     def begin(self) -> None:
         """Solve from now on."""

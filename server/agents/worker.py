@@ -43,6 +43,7 @@ class AgentServant:
         if kind is Kind.BEGIN:
             robot_id, config = parts
             self._agent = self._module.RobotAgent(robot_id.decode(), codec.decode(config, AgentConfig))
+            self._agent.updates_digest = codec.CHAIN_START
             return []
         if kind is Kind.RESTORE:
             self._agent = self._module.RobotAgent.restore(parts[0])
@@ -58,9 +59,12 @@ class AgentServant:
 
     def _handle(self, body: bytes) -> bytes:
         try:
-            return TAKEN + codec.encode(self._agent.step(codec.decode(body, Observation)))
+            update = codec.encode(self._agent.step(codec.decode(body, Observation)))
         except self._module.ObservationError as error:  # the agent is unchanged
             return REFUSED + str(error).encode()
+        if self._agent.updates_digest:  # none in a snapshot from before there were digests
+            self._agent.updates_digest = codec.chained(self._agent.updates_digest, update)
+        return TAKEN + update
 
 
 class TeamServant:
@@ -77,7 +81,7 @@ class TeamServant:
             self._team = self._module.TeamMap()
             return []
         if kind is Kind.ADD_ROBOT:
-            self._team.add_robot(parts[0].decode(), self._start(parts[1]))
+            self._team.add_robot(parts[0].decode(), start_pose(self._module, parts[1]))
             return []
         if kind is Kind.PUT:
             for part in parts[1:]:
@@ -87,12 +91,14 @@ class TeamServant:
             return [codec.encode(self._team.solve())]
         raise ValueError(f"a team map cannot answer {kind.name}")
 
-    def _start(self, data: bytes) -> Any:
-        if not data:
-            return None
-        start = json.loads(data)
-        pose = Pose2(start["x_m"], start["y_m"], start["yaw_rad"])
-        return self._module.StartPose(pose, start["sd_m"], start["sd_rad"])
+
+def start_pose(team_module: ModuleType, data: bytes) -> Any:
+    """Return a surveyed start as the team map takes it, None where there is none."""
+    if not data:
+        return None
+    start = json.loads(data)
+    pose = Pose2(start["x_m"], start["y_m"], start["yaw_rad"])
+    return team_module.StartPose(pose, start["sd_m"], start["sd_rad"])
 
 
 def serve(connection: socket.socket, servant: Servant) -> int:

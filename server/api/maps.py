@@ -15,7 +15,7 @@ from server.schemas.findings import GraphsOut, MapOut
 from server.sharing import map_value
 
 router = APIRouter(prefix="/missions/{mission_id}", tags=["map"], responses=ERRORS)
-_PNG: dict[int | str, dict[str, Any]] = {
+PNG: dict[int | str, dict[str, Any]] = {
     200: {"content": {"image/png": {"schema": {"type": "string", "format": "binary"}}}},
     304: {"description": "The picture that you have is the latest."},
 }
@@ -27,19 +27,13 @@ async def get_map(mission: OneMission) -> MapOut:
     return MapOut.model_validate(map_value(mission.mission_id, _image(mission)), strict=False)
 
 
-@router.get(
-    "/map.png", summary="The map", operation_id="get_map_png", response_class=Response, responses=_PNG
-)
+@router.get("/map.png", summary="The map", operation_id="get_map_png", response_class=Response, responses=PNG)
 async def get_map_png(mission: OneMission, if_none_match: Annotated[str | None, Header()] = None) -> Response:
     """Return the latest picture: 0 unknown (transparent), 1 free, 2 occupied.
 
     The top row has the largest y.
     """
-    image = _image(mission)
-    headers = {"ETag": image.etag, "Cache-Control": "no-cache"}
-    if if_none_match is not None and image.etag in [tag.strip() for tag in if_none_match.split(",")]:
-        return Response(status_code=304, headers=headers)
-    return Response(image.png, media_type="image/png", headers=headers)
+    return picture(_image(mission), if_none_match)
 
 
 @router.get("/graph", summary="The tag graphs", operation_id="get_graph")
@@ -51,6 +45,14 @@ async def get_graph(mission: OneMission) -> GraphsOut:
         if robot.graph is not None
     ]
     return GraphsOut(graphs=graphs)
+
+
+def picture(image: MapImage, if_none_match: str | None) -> Response:
+    """Return a picture, or 304 to who has it already."""
+    headers = {"ETag": image.etag, "Cache-Control": "no-cache"}
+    if if_none_match is not None and image.etag in [tag.strip() for tag in if_none_match.split(",")]:
+        return Response(status_code=304, headers=headers)
+    return Response(image.png, media_type="image/png", headers=headers)
 
 
 def _image(mission: Mission) -> MapImage:

@@ -2,22 +2,31 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
 from server.cli.console import CommandError, print_json, print_table
 
-_KNOWN = ("office", "latency")
+_KNOWN = ("office", "latency", "scan-match")
 
 
 def bench(
-    names: Annotated[list[str] | None, typer.Argument(metavar="[office|latency]...")] = None,
+    names: Annotated[list[str] | None, typer.Argument(metavar="[office|latency|scan-match]...")] = None,
     map_spec: Annotated[
         str, typer.Option("--map", metavar="FILE.yaml|office:AREA", help="Building for `office`.")
     ] = "office:590",
     minutes: Annotated[float, typer.Option(metavar="M", help="Length of the mission of `office`.")] = 20.0,
     seconds: Annotated[float, typer.Option(metavar="S", help="Length of `latency`.")] = 60.0,
+    maps: Annotated[
+        Path | None,
+        typer.Option(metavar="DIR", help="map_server maps for `scan-match`; without it, generated ones."),
+    ] = None,
+    pairs: Annotated[
+        int, typer.Option(min=1, max=100_000, metavar="N", help="Pairs in each building of `scan-match`.")
+    ] = 200,
+    seed: Annotated[int, typer.Option(min=0, metavar="S", help="Seed of `scan-match`.")] = 1,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
 ) -> None:
     """Measure speed and accuracy on this machine. Without a name: `office` and `latency`."""
@@ -25,7 +34,10 @@ def bench(
     for name in names or ["office", "latency"]:
         if name not in _KNOWN:
             raise CommandError(f"there is no benchmark {name}; known are {', '.join(_KNOWN)}")
-        results[name] = _measure(name, map_spec, minutes, seconds)
+        if name == "scan-match":
+            results[name] = _scan_match(maps, pairs, seed)
+        else:
+            results[name] = _measure(name, map_spec, minutes, seconds)
         if not as_json:
             print_table(name, results[name])
     if as_json:
@@ -40,3 +52,15 @@ def _measure(name: str, map_spec: str, minutes: float, seconds: float) -> dict[s
     from server.benchmarks import latency
 
     return latency.measure(seconds=seconds)
+
+
+def _scan_match(maps: Path | None, pairs: int, seed: int) -> dict[str, Any]:
+    from robots.sim.world import WorldError
+    from server.benchmarks import scan_match
+
+    if maps is not None and not any(maps.glob("*.yaml")):
+        raise CommandError(f"{maps}: there is no map_server map (*.yaml) in this folder")
+    try:
+        return scan_match.measure(maps, pairs, seed)
+    except WorldError as error:
+        raise CommandError(str(error)) from error

@@ -24,7 +24,7 @@ def say(text: str) -> None:
 
 def print_json(result: dict[str, Any]) -> None:
     """Print one JSON object on stdout; what is not a finite number becomes null."""
-    print(json.dumps(_plain(result), allow_nan=False), flush=True)
+    print(json.dumps(plain(result), allow_nan=False), flush=True)
 
 
 def print_table(title: str, result: dict[str, Any]) -> None:
@@ -35,7 +35,7 @@ def print_table(title: str, result: dict[str, Any]) -> None:
     table = Table(title=title, title_justify="left", show_header=False)
     table.add_column(style="bold")
     table.add_column(justify="right")
-    for name, value in _plain(result).items():
+    for name, value in plain(result).items():
         if isinstance(value, dict):
             for inner, number in value.items():
                 table.add_row(f"{name} {inner}", _text(number))
@@ -58,11 +58,12 @@ def progress(quiet: bool = False) -> Iterator[Progress]:
         yield display
 
 
-def _plain(value: Any) -> Any:
+def plain(value: Any) -> Any:
+    """Return a result as JSON takes it: what is not a finite number becomes null."""
     if isinstance(value, dict):
-        return {str(name): _plain(item) for name, item in value.items()}
+        return {str(name): plain(item) for name, item in value.items()}
     if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
+        return [plain(item) for item in value]
     if hasattr(value, "item"):  # a numpy scalar
         value = value.item()
     if isinstance(value, float):

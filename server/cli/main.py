@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 import typer
 
-from server.cli import bench, demo, evaluate, replay, serve, simulate, solve, warm
+from server.cli import bench, demo, evaluate, experiment, export, replay, serve, simulate, solve, warm
 from server.cli.console import CommandError, say
 
 
@@ -26,7 +26,9 @@ def build() -> typer.Typer:
     command.command("simulate")(simulate.simulate)
     command.command("replay")(replay.replay)
     command.command("evaluate")(evaluate.evaluate)
+    command.command("export")(export.export)
     command.command("solve")(solve.solve)
+    command.command("experiment")(experiment.experiment)
     command.command("bench")(bench.bench)
     command.command("warm")(warm.warm)
     return command

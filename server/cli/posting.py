@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 from robots.client import ClientError, RobotClient
 from robots.datasets.recording import Recording
-from robots.sim.wire import observation_to_wire
+from robots.sim.wire import observation_to_wire, pose_to_wire
 from robots.types import Observation
 from server.cli.console import CommandError, progress, say
 
@@ -16,8 +16,17 @@ _BATCH = 50
 _TOGETHER_S = 0.05  # observations that are due within so long of each other are posted together
 
 
-def post_recording(recording: Recording, url: str, speed: float, mission_id: str | None) -> dict[str, Any]:
-    """Post every robot's observations, the robots one after the other, and return a summary.
+def post_recording(
+    recording: Recording,
+    url: str,
+    speed: float,
+    mission_id: str | None,
+    robots: Sequence[str],
+    changes: dict[str, Any],
+) -> dict[str, Any]:
+    """Post the robots' observations, one robot after the other, and return a summary.
+
+    ``changes`` are overrides of the agents' configuration beside the recording's own.
 
     Raises:
         CommandError: the server cannot be reached, or refuses.
@@ -26,24 +35,28 @@ def post_recording(recording: Recording, url: str, speed: float, mission_id: str
     began = time.monotonic()
     posted = 0
     try:
-        for robot_id in recording.robots:
-            posted += _post_robot(recording, robot_id, url, speed, mission_id)
+        for robot_id in robots:
+            config = {**recording.settings_of(robot_id), **changes}
+            posted += _post_robot(recording, robot_id, config, url, speed, mission_id)
     except ClientError as error:
         raise CommandError(str(error)) from error
     return {
         "dataset": recording.name,
-        "robots": len(recording.robots),
+        "robots": len(robots),
         "mission_id": mission_id,
         "posted": posted,
         "wall_s": time.monotonic() - began,
     }
 
 
-def _post_robot(recording: Recording, robot_id: str, url: str, speed: float, mission_id: str) -> int:
+def _post_robot(
+    recording: Recording, robot_id: str, config: dict[str, Any], url: str, speed: float, mission_id: str
+) -> int:
     client = RobotClient(url, mission_id, robot_id, patience_s=15.0)
     try:
         client.create_mission(f"{recording.name} recording")
-        next_seq = int(client.register(agent="server", config=recording.settings)["next_seq"])
+        start_pose = _start_pose(recording, robot_id)
+        next_seq = int(client.register(agent="server", config=config, start_pose=start_pose)["next_seq"])
         if next_seq:
             say(f"{robot_id} goes on at observation {next_seq}.")
         waiting = (o for o in recording.observations(robot_id) if o.seq >= next_seq)
@@ -57,6 +70,13 @@ def _post_robot(recording: Recording, robot_id: str, url: str, speed: float, mis
     finally:
         client.close()
     return recording.length(robot_id) - next_seq
+
+
+def _start_pose(recording: Recording, robot_id: str) -> dict[str, float] | None:
+    start = recording.start_pose(robot_id)
+    if start is None:
+        return None
+    return {**pose_to_wire(start.pose), "sd_m": start.sd_m, "sd_rad": start.sd_rad}
 
 
 def _paced(observations: Iterator[Observation], speed: float) -> Iterator[list[Observation]]:

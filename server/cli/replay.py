@@ -1,4 +1,4 @@
-"""`waymark replay`: a real robot's day through the same agent, here or on a server."""
+"""`waymark replay`: what real robots recorded through the same agents, here or on a server."""
 
 from __future__ import annotations
 
@@ -12,14 +12,42 @@ from server.cli.console import CommandError, print_json, print_table, progress
 from server.cli.options import JsonOption, OutOption, check_writable, finite
 
 if TYPE_CHECKING:
+    from robots.datasets.mission_log import UpdateComparison
     from robots.datasets.recording import Recording
     from robots.datasets.replay import RobotReplay
+    from robots.team import TeamUpdate
     from robots.trajectory import Trajectory
+
+_SLAM = ("tag-graph", "odometry")
 
 
 def replay(
-    dataset: Annotated[str, typer.Argument(metavar="DATASET", help="Format of the recording: intel.")],
+    dataset: Annotated[
+        str,
+        typer.Argument(
+            metavar="DATASET",
+            help="Format of the recording: csail, intel, mrclam; log, a mission that waymark export wrote;"
+            " g2o, a pose graph.",
+        ),
+    ],
     path: Annotated[Path, typer.Argument(metavar="FILE", help="The recording.")],
+    slam: Annotated[
+        str | None,
+        typer.Option(
+            metavar="tag-graph|odometry",
+            help="odometry: dead reckoning and scan matching alone; tags are noted, the graph is not solved."
+            " tag-graph, unless the recording says otherwise.",
+        ),
+    ] = None,
+    robots: Annotated[
+        str | None, typer.Option(metavar="N|r1,r3", help="Only the first N robots, or only these.")
+    ] = None,
+    order: Annotated[
+        str | None,
+        typer.Option(
+            metavar="r3,r1", help="In which order the robots go through the recording, one after the other."
+        ),
+    ] = None,
     virtual_tags: Annotated[
         float | None,
         typer.Option(
@@ -42,36 +70,64 @@ def replay(
     ] = None,
     json: JsonOption = False,
 ) -> None:
-    """Run the agent over a recording and say how well it did."""
+    """Run the agents over a recording and say how well they did."""
     from robots.datasets.recording import RecordingError
     from robots.datasets.registry import load
+    from robots.datasets.selection import choose_robots
 
     if virtual_tags is not None:
         finite("--virtual-tags", virtual_tags, above=0.0)
     finite("--speed", speed, at_least=0.0)
     if server is not None and (out is not None or relations is not None):
         raise CommandError("--out and --relations belong to a replay without --server; leave them out")
+    if slam is not None and slam not in _SLAM:
+        raise CommandError(f"--slam has to be {' or '.join(_SLAM)}, not {slam!r}")
+    changes = {} if slam is None else {"slam": slam}
     check_writable(out)
+    if dataset == "g2o":
+        from server.cli.replay_graph import replay_pose_graph
+
+        given = (robots, order, virtual_tags, relations, server, mission)
+        if any(option is not None for option in given):
+            raise CommandError(
+                "a pose graph has no robots and no sensors: it takes --slam, --out and --json alone"
+            )
+        _print(f"g2o {path.name}", replay_pose_graph(path, slam, out), json)
+        return
     try:
         recording = load(dataset, path, virtual_tags)
+        chosen = choose_robots(recording.robots, robots, order)
+        if server is None:
+            summary = _replay_here(recording, chosen, changes, relations, out)
+        else:
+            from server.cli.posting import post_recording
+
+            summary = post_recording(recording, server, speed, mission, chosen, changes)
     except RecordingError as error:
         raise CommandError(str(error)) from error
-    if server is None:
-        summary = _replay_here(recording, relations, out)
-    else:
-        from server.cli.posting import post_recording
+    _print(f"{dataset} {path.name}", summary, json)
 
-        summary = post_recording(recording, server, speed, mission)
+
+def _print(title: str, summary: dict[str, Any], json: bool) -> None:
     if json:
         print_json(summary)
     else:
-        print_table(f"{dataset} {path.name}", summary)
+        print_table(title, summary)
 
 
-def _replay_here(recording: Recording, relations: Path | None, out: Path | None) -> dict[str, Any]:
+def _replay_here(
+    recording: Recording,
+    robots: tuple[str, ...],
+    changes: dict[str, Any],
+    relations: Path | None,
+    out: Path | None,
+) -> dict[str, Any]:
     import numpy as np
 
+    from robots.agent import ObservationError
+    from robots.config import ConfigError
     from robots.datasets.replay import replay as run
+    from robots.estimation.graph import GraphError
     from robots.evaluation import EvaluationError, read_relations
     from robots.outputs import write_team, write_trajectories
 
@@ -81,9 +137,19 @@ def _replay_here(recording: Recording, relations: Path | None, out: Path | None)
         raise CommandError(str(error)) from error
     began = perf_counter()
     with progress() as display:
-        total = sum(recording.length(robot_id) for robot_id in recording.robots)
+        total = sum(recording.length(robot_id) for robot_id in robots)
         task = display.add_task(f"replaying {recording.name}", total=total)
-        result = run(recording, on_step=lambda: display.advance(task))
+        comparisons = _comparisons(recording, changes)
+        try:
+            result = run(
+                recording,
+                lambda: display.advance(task),
+                robots,
+                changes,
+                lambda robot_id, update: comparisons[robot_id].take(update) if comparisons else None,
+            )
+        except (ConfigError, GraphError, ObservationError) as error:
+            raise CommandError(f"{recording.name}: {error}") from error
     wall_s = perf_counter() - began
     if out is not None:
         for robot in result.robots:
@@ -92,14 +158,17 @@ def _replay_here(recording: Recording, relations: Path | None, out: Path | None)
     step_ms = 1e3 * np.concatenate([robot.step_s for robot in result.robots])
     summary: dict[str, Any] = {
         "dataset": recording.name,
+        "slam": changes.get("slam", recording.settings_of(robots[0]).get("slam", _SLAM[0])),
         "robots": len(result.robots),
-        "observations": len(step_ms),
+        "observations": sum(robot.observations for robot in result.robots),
+        "refused": sum(robot.refused for robot in result.robots),
         "distance_m": sum(robot.distance_m for robot in result.robots),
         "tags": len(result.team.tags),
         "sightings": sum(robot.sightings for robot in result.robots),
         "explored_m2": result.team.explored_m2,
         "ate_m": {robot.robot_id: _error_m(recording, robot, robot.final) for robot in result.robots},
         "ate_online_m": {robot.robot_id: _error_m(recording, robot, robot.online) for robot in result.robots},
+        "tags_m": _tags_m(recording, result.team),
         "step_hz": len(step_ms) / wall_s,
         "wall_s": wall_s,
         "step_ms_p50": float(np.percentile(step_ms, 50)),
@@ -111,7 +180,19 @@ def _replay_here(recording: Recording, relations: Path | None, out: Path | None)
         summary["relations_online_m"] = {
             robot.robot_id: _relations_m(robot.online, pairs) for robot in result.robots
         }
+    if comparisons:
+        summary["bit_equal"] = {robot_id: comparisons[robot_id].bit_equal() for robot_id in robots}
+        summary["updates_compared"] = {robot_id: comparisons[robot_id].compared for robot_id in robots}
     return summary
+
+
+def _comparisons(recording: Recording, changes: dict[str, Any]) -> dict[str, UpdateComparison]:
+    """Return one for each robot of a mission log; none where agents are told other than they were."""
+    from robots.datasets.mission_log import MissionLog, UpdateComparison
+
+    if changes or not isinstance(recording, MissionLog):
+        return {}
+    return {robot_id: UpdateComparison(robot) for robot_id, robot in recording.logged.items()}
 
 
 def _error_m(recording: Recording, robot: RobotReplay, estimate: Trajectory) -> float | None:
@@ -121,8 +202,17 @@ def _error_m(recording: Recording, robot: RobotReplay, estimate: Trajectory) -> 
     if truth is None:
         return None
     try:
-        # a reference has a pose for each observation, however far apart they are: nothing is interpolated
-        return absolute_error(estimate, truth, max_gap_s=float("inf")).rmse_m
+        return absolute_error(estimate, truth, max_gap_s=recording.truth_gap_s).rmse_m
+    except EvaluationError:
+        return None
+
+
+def _tags_m(recording: Recording, team: TeamUpdate) -> float | None:
+    from robots.evaluation import EvaluationError, places_error
+
+    try:
+        found = {tag.tag_id: (tag.x_m, tag.y_m) for tag in team.tags}
+        return places_error(found, recording.tag_places()).mean_m
     except EvaluationError:
         return None
 

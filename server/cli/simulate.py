@@ -69,6 +69,14 @@ def simulate(
     no_imu: Annotated[
         bool, typer.Option("--no-imu", help="No heading from an IMU.", rich_help_panel="Sensors")
     ] = False,
+    compass_off: Annotated[
+        float,
+        typer.Option(
+            metavar="DEGREES",
+            help="Each compass is off by a constant of its own, up to so much.",
+            rich_help_panel="Sensors",
+        ),
+    ] = 0.0,
     out: OutOption = None,
     json: JsonOption = False,
 ) -> None:
@@ -100,6 +108,7 @@ def simulate(
             laser=LaserConfig(radians(laser_view), laser_beams, laser_range),
             laser_hz=laser_hz,
             imu=not no_imu,
+            compass_off_rad=radians(compass_off),
             sonars=sonars,
             infrareds=infrareds,
         )

@@ -12,7 +12,9 @@ def warm() -> None:
     from robots.sim.runner import run
     from robots.sim.scenario import ScenarioConfig
     from robots.sim.solution import solve
+    from robots.warmup import warm_up
 
     began = perf_counter()
+    warm_up()
     solve(run(ScenarioConfig(map="office:60", robots=2, minutes=0.2, victims=1)))
     say(f"Kernels are ready ({perf_counter() - began:.1f} s).")

@@ -24,6 +24,8 @@ from server.board import Board
 from server.differences import differences
 from server.errors import ApiError
 from server.mission.annotations import Annotations
+from server.mission.best_map import BestMap
+from server.mission.doubts import Doubts
 from server.mission.events import Events
 from server.mission.links import Links
 from server.mission.memories import Memories
@@ -64,7 +66,9 @@ class Mission:
         self._tasks = Tasks(mission_id)
         self.roster = Roster(record, store, forks, self.board, self.events, self._tasks)
         self.stops = Stops(store, self.roster, self.events)
-        self.shared_map = SharedMap(store, forks, self.board, self.roster, self.victims, on_grid)
+        doubts = Doubts(store, mission_id, self.events)
+        self.shared_map = SharedMap(store, forks, self.board, self.roster, self.victims, doubts, on_grid)
+        self.best_map = BestMap(store, forks, self.board, self.roster, self.shared_map, self._tasks)
         self._links = Links(self.roster, self.events, settings)
         self._recovery = Recovery(store, self.roster, self.shared_map, self.memories, self._tasks, settings)
         self._store = store

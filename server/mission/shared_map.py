@@ -11,12 +11,14 @@ from typing import Any
 import numpy as np
 
 from db.store import Store
+from robots.se2 import Array
 from robots.team import TeamGrid, TeamTag, TeamUpdate
 from robots.types import AgentUpdate
 from server.agents.process import ForkServer
 from server.agents.team import TeamHost
 from server.board import Board
 from server.map_image import MapImage, draw
+from server.mission.doubts import Doubts
 from server.mission.roster import Roster
 from server.mission.victims import Victims
 from server.robot import Robot
@@ -33,6 +35,7 @@ class SharedMap:
         board: Board,
         roster: Roster,
         victims: Victims,
+        doubts: Doubts,
         on_grid: Callable[[str, TeamGrid], None],
     ) -> None:
         self.image: MapImage | None = None
@@ -40,6 +43,7 @@ class SharedMap:
         self._board = board
         self._roster = roster
         self._victims = victims
+        self._doubts = doubts
         self._on_grid = on_grid
         self._grid: TeamGrid | None = None
         self._mission_id = roster.record.mission_id
@@ -54,6 +58,7 @@ class SharedMap:
         """Show the tags of the database; the map itself comes when the agents have caught up."""
         tags = await self._store.tags.tags_of(self._mission_id)
         self._board.publish({f"tag/{tag.tag_id}": tag_value(tag) for tag in tags})
+        await self._doubts.restore(tags)
 
     def begin(self) -> None:
         """Solve from now on; before that, robots and their updates are only collected."""
@@ -66,6 +71,10 @@ class SharedMap:
     def put(self, robot: Robot, update: AgentUpdate) -> None:
         """Take over an agent's update."""
         self._team.put(robot.robot_id, update)
+
+    def way(self, robot_id: str, until_seq: int) -> Array:
+        """Return where a robot was up to an observation; see ``TeamHost.way``."""
+        return self._team.way(robot_id, until_seq)
 
     async def close(self) -> None:
         """End the process."""
@@ -90,8 +99,10 @@ class SharedMap:
             if member.robot_id in robots:
                 robots[member.robot_id].anchors = member.anchors
                 robots[member.robot_id].located = member.located
+                robots[member.robot_id].anchor_covariance = member.covariance
         self._board.publish(values)
         self._roster.publish(robots.values())
+        await self._doubts.take(update.notices, absent)
 
     def _vanished(self, tags: tuple[TeamTag, ...], absent: Set[str]) -> list[str]:
         """Return the tags on the board that are no longer there, as far as those who saw them are heard."""

@@ -19,6 +19,7 @@ from robots.types import (
     Observation,
     Odometry,
     RangeReading,
+    RobotSighting,
     TagSighting,
     TagWrite,
     WheelEncoders,
@@ -46,7 +47,14 @@ def observation_from_wire(wire: ObservationIn) -> Observation:
             for beam in wire.beams
         ),
         tag_sightings=tuple(
-            TagSighting(sighting.tag_id, base64.b64decode(sighting.memory)) for sighting in wire.tag_sightings
+            TagSighting(
+                sighting.tag_id, base64.b64decode(sighting.memory), sighting.range_m, sighting.bearing_rad
+            )
+            for sighting in wire.tag_sightings
+        ),
+        robot_sightings=tuple(
+            RobotSighting(sighting.robot_id, sighting.range_m, sighting.bearing_rad)
+            for sighting in wire.robot_sightings
         ),
         heat=tuple(
             HeatReading(reading.bearing_rad, reading.range_m, reading.confidence) for reading in wire.heat

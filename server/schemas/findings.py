@@ -6,7 +6,7 @@ from typing import Self
 
 from pydantic import ConfigDict, Field, model_validator
 
-from db.records import AnnotationKind, VictimStatus
+from db.records import AnnotationKind, TagState, VictimStatus
 from server.schemas.common import Covariance, Metres, Name, Person, Wire
 
 
@@ -19,6 +19,11 @@ class TagOut(Wire):
     covariance: Covariance
     sightings: int
     robots: list[str]
+    state: TagState = Field(
+        description="`sound`; `moved`: lies here now; `cloned`: one of several of that id, the others end in"
+        " `#2` and so on; `doubtful`: a reading contradicted all others."
+    )
+    notice: str = Field(description="What is wrong with a tag that is not sound, else empty.")
 
 
 class TagsOut(Wire):
@@ -135,15 +140,19 @@ class GraphVertexOut(Wire):
 
 
 class GraphEdgeOut(Wire):
-    """A displacement from pose to pose, or a sighting of a tag from a pose, in the first pose's frame."""
+    """What was measured from a pose, in its frame: another pose, a tag, or another robot."""
 
-    kind: str = Field(description="`displacement` or `sighting`.")
+    kind: str = Field(
+        description="`displacement` (driven), `loop` (matched by laser), `sighting` of a tag, or `meeting`."
+    )
     from_number: int
-    to_number: int
+    to_number: int | None = Field(description="Pose or tag; null for a meeting.")
     x_m: float
     y_m: float
     yaw_rad: float | None
     covariance: list[list[float]]
+    robot_id: str | None = Field(default=None, description="The robot that was met.")
+    stamp_s: float | None = Field(default=None, description="When it was met.")
 
 
 class RobotGraphOut(Wire):

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
-from pydantic import ConfigDict, Field
+from pydantic import ConfigDict, Field, model_validator
 from pydantic.config import JsonDict
 
 from server.schemas.common import Base64, Name, PoseWire, Radians, Seconds, Share, Wire
@@ -14,6 +14,7 @@ MAX_BEAMS = 4_096
 
 Step = Annotated[float, Field(ge=-1000.0, le=1000.0)]
 Range = Annotated[float, Field(ge=0.0, le=10_000.0)]
+SightingRange = Annotated[float, Field(ge=0.0, le=1000.0)]
 
 EXAMPLE_BATCH: JsonDict = {
     "observations": [
@@ -51,6 +52,8 @@ EXAMPLE_BATCH: JsonDict = {
             "beams": [
                 {"kind": "sonar", "bearing_rad": 0.0, "range_m": 1.2, "range_max_m": 3.0, "cone_rad": 0.5}
             ],
+            "tag_sightings": [{"tag_id": "A5", "range_m": 3.1, "bearing_rad": -0.4}],
+            "robot_sightings": [{"robot_id": "r2", "range_m": 4.2, "bearing_rad": 0.7}],
         },
     ]
 }
@@ -117,6 +120,24 @@ class TagSightingWire(Wire):
 
     tag_id: Name
     memory: Base64 = Field("", description="Its memory in base64; empty when only the id was read.")
+    range_m: SightingRange | None = Field(
+        None, description="From the base; left out, with the bearing, for a tag under the antenna."
+    )
+    bearing_rad: Radians | None = Field(None, description="In the base frame, counter-clockwise from ahead.")
+
+    @model_validator(mode="after")
+    def _both_or_neither(self) -> Self:
+        if (self.range_m is None) != (self.bearing_rad is None):
+            raise ValueError("range_m and bearing_rad have to be given together")
+        return self
+
+
+class RobotSightingWire(Wire):
+    """Another robot that was seen: where its base is in the base frame."""
+
+    robot_id: Name
+    range_m: SightingRange
+    bearing_rad: Radians = Field(description="Counter-clockwise from ahead.")
 
 
 class HeatWire(Wire):
@@ -139,6 +160,7 @@ class ObservationIn(Wire):
     scan: ScanWire | None = None
     beams: list[BeamWire] = Field(default_factory=list, max_length=256)
     tag_sightings: list[TagSightingWire] = Field(default_factory=list, max_length=256)
+    robot_sightings: list[RobotSightingWire] = Field(default_factory=list, max_length=256)
     heat: list[HeatWire] = Field(default_factory=list, max_length=256)
     battery: Share | None = Field(None, description="0 empty, 1 full.")
     tags_left: int | None = Field(None, ge=0, le=1_000_000, description="Tags in the magazine.")

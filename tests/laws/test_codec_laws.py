@@ -9,7 +9,7 @@ from hypothesis.extra import numpy as arrays
 
 from robots.codec import CodecError, decode, encode
 from robots.se2 import GaussianPose, Pose2
-from robots.types import Command, LaserScan, TagSighting, TagWrite
+from robots.types import Command, LaserScan, Observation, RobotSighting, TagSighting, TagWrite
 
 any_float = st.floats(allow_nan=True, allow_infinity=True, allow_subnormal=True)
 scans = st.builds(
@@ -61,6 +61,25 @@ def test_text_and_bytes_come_back(name, memory, drop):
     assert decode(encode(sighting), TagSighting) == sighting
     command = Command(drop_tag=drop, writes=(TagWrite(name, memory), TagWrite("b", b"")))
     assert decode(encode(command), Command) == command
+
+
+@given(st.text(), any_float, any_float)
+def test_sightings_come_back_bit_for_bit(name, range_m, bearing_rad):
+    observation = Observation(
+        0,
+        0.0,
+        tag_sightings=(TagSighting(name, b"", range_m, bearing_rad), TagSighting(name)),
+        robot_sightings=(RobotSighting(name, range_m, bearing_rad),),
+    )
+    back = decode(encode(observation), Observation)
+    assert back.tag_sightings[1] == TagSighting(name)
+    for seen in (back.tag_sightings[0], back.robot_sightings[0]):
+        assert [bits(seen.range_m), bits(seen.bearing_rad)] == [bits(range_m), bits(bearing_rad)]
+
+
+def test_an_observation_stored_before_sightings_had_ranges_is_read():
+    stored = b'{"_":"Observation","seq":0,"stamp_s":1.0,"tag_sightings":[{"_":"TagSighting","tag_id":"A"}]}'
+    assert decode(stored, Observation).tag_sightings == (TagSighting("A"),)
 
 
 @given(st.binary(max_size=80))

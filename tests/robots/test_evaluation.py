@@ -14,6 +14,7 @@ from robots.evaluation import (
     align,
     consistency,
     coverage,
+    places_error,
     read_relations,
     relations_error,
     relative_error,
@@ -180,3 +181,14 @@ def test_relations_error_agrees_with_the_judge(judge, tmp_path):
     ours = relations_error(estimate, read_relations(tmp_path / "r.relations"))
     assert ours.mean_m == pytest.approx(theirs, rel=1e-5)
     assert ours.relations == count
+
+
+def test_places_are_compared_by_name_and_whatever_their_frame():
+    truth = {"a": (0.0, 0.0), "b": (3.0, 0.0), "c": (0.0, 4.0), "d": (9.0, 9.0)}
+    turned = {name: (1.0 - y, 2.0 + x) for name, (x, y) in truth.items()} | {"e": (7.0, 7.0)}
+    assert places_error(turned, truth).mean_m == pytest.approx(0.0, abs=1e-9)
+    assert places_error(turned, truth).places == 4
+    mirrored = {name: (-x, y) for name, (x, y) in truth.items()}
+    assert places_error(mirrored, truth).max_m > 1.0
+    with pytest.raises(EvaluationError, match="only 2 places are known in truth; three are needed"):
+        places_error({"a": (0.0, 0.0), "b": (1.0, 0.0), "x": (2.0, 0.0)}, truth)

@@ -1,14 +1,13 @@
 """A real robot's day in a real building, where its recording is at hand."""
 
-from dataclasses import fields
+from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
-from robots.datasets.intel import IntelRecording, load
+from robots.datasets.intel import load
 from robots.datasets.replay import ReplayResult, replay
 from robots.evaluation import absolute_error, read_relations, relations_error
 from robots.se2 import Pose2
@@ -25,18 +24,11 @@ pytestmark = [
 ]
 
 
-class Passenger(IntelRecording):
-    """The recording of a robot that drove itself: planning where it should have gone is left out."""
-
-    @property
-    def settings(self) -> dict[str, Any]:
-        return {**super().settings, "planning": {"replan_every_s": 1e9}}
-
-
 @lru_cache(maxsize=1)
 def intel() -> ReplayResult:
     recording = load(INTEL, 2.0)
-    return replay(Passenger(**{item.name: getattr(recording, item.name) for item in fields(recording)}))
+    # the robot drove itself: planning where it should have gone is left out
+    return replay(replace(recording, settings={**recording.settings, "planning": {"replan_every_s": 1e9}}))
 
 
 def test_intel_with_a_tag_every_two_metres_is_true_to_the_relations():

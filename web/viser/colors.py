@@ -17,6 +17,7 @@ GROUND: Rgb = (10, 14, 20)
 FLOOR: Rgb = (44, 58, 78)
 WALL: Rgb = (196, 209, 226)
 TAG: Rgb = (255, 243, 196)
+DOUBTED_TAG: Rgb = (255, 138, 76)
 SILENT: Rgb = (120, 132, 148)
 VICTIM_COLORS: dict[str, Rgb] = {
     "suspected": (255, 190, 77),

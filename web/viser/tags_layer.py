@@ -9,10 +9,12 @@ from typing import Any
 import numpy as np
 import viser
 
-from web.viser.colors import TAG
-from web.viser.shapes import prism, upright
+from web.viser.colors import DOUBTED_TAG, TAG, Rgb
+from web.viser.shapes import Mesh, prism, upright
 
 _HEXAGON = prism([(0.16 * cos(i * pi / 3), 0.16 * sin(i * pi / 3)) for i in range(6)], 0.05)
+_STAR = [0.26, 0.12]  # a doubted tag has points, so that it stands out without its colour
+_POINTED = prism([(_STAR[i % 2] * cos(i * pi / 6), _STAR[i % 2] * sin(i * pi / 6)) for i in range(12)], 0.12)
 _ABOVE_FLOOR_M = 0.03
 
 
@@ -27,24 +29,33 @@ class TagsLayer:
         scene = self._server.scene
         places = {tag_id: (tag["x_m"], tag["y_m"], _ABOVE_FLOOR_M) for tag_id, tag in tags.items()}
         lines = [(places[a], places[b]) for a, b in pairs if a in places and b in places]
+        doubted = [tag_id for tag_id, tag in tags.items() if tag.get("state", "sound") != "sound"]
+        sound = [places[tag_id] for tag_id in places if tag_id not in doubted]
         with self._server.atomic():
-            if places:
-                scene.add_batched_meshes_simple(
-                    "/tags/points",
-                    *_HEXAGON,
-                    batched_wxyzs=upright(len(places)),
-                    batched_positions=np.array(list(places.values()), np.float32),
-                    batched_colors=TAG,
-                    lod="off",
-                    flat_shading=True,
-                    cast_shadow=False,
-                    receive_shadow=False,
-                )
-            else:
-                scene.remove_by_name("/tags/points")
+            self._show_points("/tags/points", _HEXAGON, sound, TAG)
+            self._show_points("/tags/doubted", _POINTED, [places[tag_id] for tag_id in doubted], DOUBTED_TAG)
             if lines:
                 scene.add_line_segments(
                     "/tags/links", np.array(lines, np.float32), TAG, thickness=1.0, thickness_units="screen"
                 )
             else:
                 scene.remove_by_name("/tags/links")
+
+    def _show_points(
+        self, name: str, shape: Mesh, places: list[tuple[float, float, float]], color: Rgb
+    ) -> None:
+        scene = self._server.scene
+        if not places:
+            scene.remove_by_name(name)
+            return
+        scene.add_batched_meshes_simple(
+            name,
+            *shape,
+            batched_wxyzs=upright(len(places)),
+            batched_positions=np.array(places, np.float32),
+            batched_colors=color,
+            lod="off",
+            flat_shading=True,
+            cast_shadow=False,
+            receive_shadow=False,
+        )

@@ -138,7 +138,7 @@ def test_a_file_that_is_missing_cut_short_or_something_else_is_named(tmp_path):
 
 def test_the_registry_names_what_it_knows(tmp_path):
     assert registry.load("intel", write(tmp_path)).name == "intel"
-    with pytest.raises(RecordingError, match="there is no dataset 'mars'; known are intel"):
+    with pytest.raises(RecordingError, match="no dataset 'mars'; known are csail, g2o, intel, log, mrclam"):
         registry.load("mars", write(tmp_path))
 
 

@@ -143,11 +143,23 @@ def test_variances_grow_linearly_so_the_rate_of_odometry_does_not_matter():
     assert not motion_covariance(Pose2(), NOISE, 0.2, None).any()  # standing still nothing is lost
 
 
-def test_slip_makes_the_distance_uncertain_and_nothing_else():
-    firm = motion_covariance(Pose2(0.1, 0.0, 0.1), NOISE, 0.2, None)
-    slick = motion_covariance(Pose2(0.1, 0.0, 0.1), NOISE, 0.2, None, slipping=True)
-    expected = firm + np.diag([NOISE.slip_sd_m**2, 0.0, 0.0])
-    np.testing.assert_allclose(slick, expected)
+def test_slip_makes_the_distance_uncertain_and_a_turn_of_the_wheels():
+    variance, motion = NOISE.slip_sd_per_sqrt_s**2 * 0.3, Pose2(0.1, 0.0, 0.1)
+    by_wheels = motion_covariance(motion, NOISE, 0.2, None, 0.3) - motion_covariance(motion, NOISE, 0.2, None)
+    np.testing.assert_allclose(by_wheels, np.diag([variance, 0.0, variance / 0.2**2]))
+    by_gyro = motion_covariance(motion, NOISE, 0.2, 0.01, 0.3) - motion_covariance(motion, NOISE, 0.2, 0.01)
+    np.testing.assert_allclose(by_gyro, np.diag([variance, 0.0, 0.0]))
+
+
+@pytest.mark.parametrize("parts", [1, 5, 40])
+def test_how_uncertain_slip_makes_does_not_depend_on_how_often_is_observed(parts):
+    tracker = PoseTracker(AgentConfig(), 0.0)
+    tracker.predict(0.0, None, ImuReading(0.0), False)
+    for k in range(parts):
+        tracker.predict(2.0 * (k + 1) / parts, WheelEncoders(*[0.8 / parts] * 4), ImuReading(0.0), True)
+    since = tracker.anchor_from_base
+    assert since.mean == Pose2()
+    assert since.covariance[0, 0] == pytest.approx(NOISE.slip_sd_per_sqrt_s**2 * 2.0)
 
 
 # Consistency: the simulator's wheels and inertial unit against what the tracker says of its own error.

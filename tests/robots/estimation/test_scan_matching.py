@@ -75,7 +75,7 @@ def test_a_scan_matched_with_itself_stays_where_it_is(sweep, room):
         here = somewhere(rng)
         scan = sweep(room, here)
         moved, turned = error(match(mapped((here, scan)), points_of(scan), here, CONFIG), here)
-        assert moved < 5e-4  # not 0: normals are blurred at the corners
+        assert moved < 1e-3  # not 0: normals are blurred at the corners
         assert turned < 5e-4
 
 
@@ -272,7 +272,7 @@ def test_the_local_map_forgets_its_oldest_scan(sweep, room):
     local_map.insert(Pose2(), scan.points, scan.normals)
     assert len(local_map) == 2
     far_away = Pose2(15.0, 0.0, 0.0)
-    for _ in range(2):
+    for _ in range(2 + 5):  # forgotten points are removed every five insertions
         local_map.insert(far_away, scan.points, scan.normals)
     assert len(local_map) == 2
     assert local_map.points[:, 0].min() > 11.0  # nothing of the first place is left

@@ -164,7 +164,7 @@ def test_while_the_wheels_slip_they_say_nothing_about_the_distance():
     since = tracker.anchor_from_base
     assert (since.mean.x, since.mean.y) == (0.0, 0.0)
     assert since.mean.theta == pytest.approx(0.1)
-    assert since.covariance[0, 0] >= CONFIG.odometry.slip_sd_m**2
+    assert since.covariance[0, 0] >= CONFIG.odometry.slip_sd_per_sqrt_s**2 * 0.05
     assert np.sqrt(since.covariance[2, 2]) < 0.01
     assert tracker.distance_m == 0.0
 

@@ -65,7 +65,7 @@ class Wanderer:
         )
         return self._update
 
-    def report(self) -> AgentUpdate:
+    def smoothed(self) -> AgentUpdate:
         assert self._update is not None
         return self._update
 

@@ -105,3 +105,21 @@ def test_ramps_tilt(hall):
     assert (flat.roll_rad, flat.pitch_rad) == (0.0, 0.0)
     assert (up.roll_rad, up.pitch_rad) == pytest.approx((0.0, -0.2), abs=1e-6)  # nose up
     assert (across.roll_rad, across.pitch_rad) == pytest.approx((-0.2, 0.0), abs=1e-6)  # right side up
+
+
+def test_many_ticks_at_once_read_as_one_after_the_other():
+    rng = np.random.default_rng(4)
+    speeds, turns = rng.uniform(-0.5, 0.5, 200), rng.uniform(-1.5, 1.5, 200)
+    grips = rng.uniform(0.3, 1.0, 200)
+    one, many = (Wheels(4, TRACK, np.random.default_rng(9)) for _ in range(2))
+    readings = many.read_all(speeds, turns, DT, grips)
+    for k, row in enumerate(readings):
+        single = one.read(float(speeds[k]), float(turns[k]), DT, float(grips[k]))
+        assert (single.front_left_m, single.front_right_m, single.rear_left_m, single.rear_right_m) == tuple(
+            row.tolist()
+        )
+    headings = np.cumsum(turns)
+    first, second = (Imu(None, False, np.random.default_rng(2)) for _ in range(2))
+    yaws = second.yaws(headings, DT)
+    singles = [first.read(0.0, 0.0, float(heading), DT).yaw_rad for heading in headings]
+    assert yaws == pytest.approx(singles, abs=1e-12)

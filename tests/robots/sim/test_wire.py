@@ -16,6 +16,7 @@ from robots.types import (
     LaserScan,
     Observation,
     RangeReading,
+    RobotSighting,
     TagSighting,
     TagWrite,
     WheelEncoders,
@@ -46,15 +47,17 @@ def parts(observation: Observation) -> tuple:
     memory=st.binary(max_size=40),
     battery=st.one_of(st.none(), st.floats(0, 1)),
     flags=st.tuples(st.booleans(), st.booleans()),
+    seen=st.tuples(finite, finite),
 )
-def test_observations_survive_bit_for_bit(stamp, odometry, imu, memory, battery, flags):
+def test_observations_survive_bit_for_bit(stamp, odometry, imu, memory, battery, flags, seen):
     observation = Observation(
         seq=3,
         stamp_s=stamp,
         odometry=odometry,
         imu=imu,
         beams=(RangeReading("sonar", 0.1, 1.0 / 3.0, 3.0, 0.5),),
-        tag_sightings=(TagSighting("r1-001", memory), TagSighting("BASE")),
+        tag_sightings=(TagSighting("r1-001", memory), TagSighting("BASE"), TagSighting("L6", memory, *seen)),
+        robot_sightings=(RobotSighting("r2", *seen),),
         heat=(HeatReading(0.1, 2.0 / 3.0, 0.9),),
         battery=battery,
         tags_left=None if battery is None else 7,

@@ -6,7 +6,7 @@ import pytest
 
 from robots.agent import RobotAgent
 from robots.config import AgentConfig
-from robots.se2 import Pose2
+from robots.se2 import Pose2, wrap
 from robots.types import AgentUpdate, Displacement, HeatReading, ImuReading, Observation, TagSighting
 
 Journey = Callable[..., list[AgentUpdate]]
@@ -20,10 +20,13 @@ def travelled(
     imu: bool = True,
     heat: dict[int, tuple[float, float]] | None = None,
     stretch: float = 1.0,
+    north: float = 0.0,
+    begin_s: float = 0.0,
 ) -> list[AgentUpdate]:
     """Updates of an agent carried through poses in the world, tags read at some, victims seen from some.
 
-    ``heat`` is bearing and range, seen three times over; ``stretch`` is how much too long odometry is.
+    ``heat`` is bearing and range, seen three times over; ``stretch`` is how much too long odometry is,
+    ``north`` by how much the compass is off, ``begin_s`` when it set out.
     """
     agent = RobotAgent(robot_id, AgentConfig())
     updates: list[AgentUpdate] = []
@@ -37,11 +40,11 @@ def travelled(
                 agent.step(
                     Observation(
                         seq=len(updates),
-                        stamp_s=len(updates) * 0.2,
+                        stamp_s=begin_s + len(updates) * 0.2,
                         odometry=Displacement(moved.x * stretch, moved.y * stretch, moved.theta)
                         if repeat == 0
                         else Displacement(0.0, 0.0, 0.0),
-                        imu=ImuReading(pose.theta) if imu else None,
+                        imu=ImuReading(wrap(pose.theta + north)) if imu else None,
                         tag_sightings=(TagSighting(tags[k]),) if k in tags and repeat == 0 else (),
                         heat=seen,
                     )

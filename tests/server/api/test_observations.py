@@ -79,6 +79,21 @@ def test_a_clock_that_runs_backwards_is_refused(line, drive):
         ({"tag_sightings": [{"tag_id": "a b"}]}, "tag_sightings.0.tag_id"),
         ({"tag_sightings": [{"tag_id": "A", "memory": "%"}]}, "tag_sightings.0.memory"),
         ({"tag_sightings": [{"tag_id": "A"}] * 257}, "tag_sightings"),
+        ({"tag_sightings": [{"tag_id": "A", "range_m": 1.0}]}, "tag_sightings.0"),
+        (
+            {"tag_sightings": [{"tag_id": "A", "range_m": 1001.0, "bearing_rad": 0.0}]},
+            "tag_sightings.0.range_m",
+        ),
+        (
+            {"tag_sightings": [{"tag_id": "A", "range_m": 1.0, "bearing_rad": NAN}]},
+            "tag_sightings.0.bearing_rad",
+        ),
+        (
+            {"robot_sightings": [{"robot_id": "r2", "range_m": -1.0, "bearing_rad": 0}]},
+            "robot_sightings.0.range_m",
+        ),
+        ({"robot_sightings": [{"robot_id": "r2"}]}, "robot_sightings.0.range_m"),
+        ({"robot_sightings": [{"robot_id": "r2", "range_m": 1, "bearing_rad": 0}] * 257}, "robot_sightings"),
     ],
     ids=lambda value: value if isinstance(value, str) else "",
 )
@@ -166,8 +181,10 @@ def test_unknown_robots_and_missions_are_named(line):
         {"heat": [{"bearing_rad": 1e4, "range_m": 1e4, "confidence": 0.0}] * 256},
         {"beams": [{"kind": "sonar", "bearing_rad": 0, "range_m": 0, "range_max_m": 1, "cone_rad": 0}] * 256},
         {"tags_left": 0, "battery": 0.0, "bumper": True, "held": True},
+        {"tag_sightings": [{"tag_id": f"T{k}", "range_m": 1e3, "bearing_rad": -1e4} for k in range(256)]},
+        {"robot_sightings": [{"robot_id": "r1", "range_m": 0.0, "bearing_rad": 1e4}] * 256},
     ],
-    ids=range(14),
+    ids=range(16),
 )
 def test_what_is_odd_but_allowed_does_not_stop_the_robot(line, drive, odd):
     """Whatever the agent makes of it, the next observations are answered."""

@@ -37,6 +37,30 @@ def recording(tmp_path_factory):
     return path
 
 
+@pytest.fixture(scope="module")
+def team(tmp_path_factory):
+    """Robots 1, 2 and 4 on circles among four landmarks; they turn 0.8 times as far as they were told."""
+    arrays = {}
+    for number in (1, 2, 4):
+        t_ms = np.arange(0, 40_000, 100)
+        seen, truth = [], []
+        for at in t_ms:
+            pose = Pose2(0.0, 0.1 * number, 0.0) @ Pose2.exp(np.array([0.25, 0.0, 0.16]) * 0.94 * at / 1e3)
+            truth.append(pose.as_array())
+            for k, place in enumerate([(3.0, 3.0), (-3.0, 3.0), (-3.0, -1.0), (3.0, -1.0)]):
+                x, y = pose.inverse().transform_point(*place)
+                if at % 500 == 0 and x > 0.0:
+                    seen.append([at, 6 + k, 0.985 * np.hypot(x, y) + 0.03, np.arctan2(y, x)])
+        told = np.tile([0.25, 0.2], (len(t_ms), 1))
+        arrays |= {f"odo{number}_t_ms": t_ms - 240, f"odo{number}_vw": told}
+        rows = np.array(seen)
+        arrays |= {f"meas{number}_t_ms": rows[:, 0] + 40, f"meas{number}_subject": rows[:, 1].astype(int)}
+        arrays |= {f"meas{number}_rb": rows[:, 2:], f"gt{number}_t_ms": t_ms, f"gt{number}_xyth": truth}
+    path = tmp_path_factory.mktemp("recording") / "team.npz"
+    np.savez(path, **arrays)
+    return path
+
+
 def _scan(pose: Pose2, angles: np.ndarray) -> np.ndarray:
     """Ranges to the walls of the room and to a round pillar in its middle."""
     c, s = np.cos(pose.theta + angles), np.sin(pose.theta + angles)
@@ -58,11 +82,49 @@ def test_the_day_is_replayed_and_written(recording, tmp_path, capsys):
     assert result["observations"] == 104
     assert result["ate_m"]["r1"] < 0.1
     assert result["sightings"] >= result["tags"] > 5
+    assert result["tags_m"] < 0.2
     final = read_tum(tmp_path / "trajectory_r1_final.tum")
     assert final.stamps_s.tolist() == (1000.0 + np.arange(104)).tolist()
     tags = [row.split(",")[0] for row in (tmp_path / "tags.csv").read_text().splitlines()[1:]]
     assert set(tags) == {str(number + 1) for number in range(result["tags"])}
     assert (tmp_path / "map.png").exists()
+
+
+def test_by_odometry_alone_the_graph_is_not_solved(team, tmp_path, capsys):
+    """The wheels of this robot turn too far: only the landmarks can tell."""
+    arguments = ["replay", "mrclam", str(team), "--robots", "r1", "--json"]
+    assert run(arguments) == 0
+    with_tags = json.loads(capsys.readouterr().out)
+    assert run([*arguments, "--slam", "odometry"]) == 0
+    without = json.loads(capsys.readouterr().out)
+    assert (with_tags["slam"], without["slam"]) == ("tag-graph", "odometry")
+    assert with_tags["sightings"] == without["sightings"] > 100
+    assert without["ate_m"]["r1"] > 3.0 * with_tags["ate_m"]["r1"]
+
+
+def test_robots_go_through_a_recording_in_the_order_asked_for(team, tmp_path, capsys):
+    arguments = ["replay", "mrclam", str(team), "--order", "r4,r1", "--out", str(tmp_path), "--json"]
+    assert run(arguments) == 0
+    result = json.loads(capsys.readouterr().out)
+    assert list(result["ate_m"]) == ["r4", "r1", "r2"]
+    assert run([*arguments, "--robots", "r2,r4"]) == 1
+    assert "there is no robot 'r1'; there are r2, r4" in capsys.readouterr().err
+    assert len(list(tmp_path.glob("trajectory_r?_final.tum"))) == 3
+
+
+def test_a_pose_graph_is_replayed_and_written(tmp_path, capsys):
+    path = tmp_path / "square.g2o"
+    edges = [(k, k + 1) for k in range(8)] + [(0, 4), (4, 8)]
+    turn = ["1 0 1.5707963", "0 0 6.2831853"]
+    path.write_text("".join(f"EDGE_SE2 {i} {j} {turn[j - i > 1]} 100 0 0 100 0 100\n" for i, j in edges))
+    assert run(["replay", "g2o", str(path), "--out", str(tmp_path / "out"), "--json"]) == 0
+    shown = capsys.readouterr()
+    result = json.loads(shown.out)
+    assert (result["vertices"], result["edges"], result["loops"]) == (9, 10, 2)
+    assert result["chi2"] == pytest.approx(0.0, abs=1e-6)
+    assert shown.err.startswith("Note: vertices that only edges name were placed along them: 0, 1")
+    assert len(read_tum(tmp_path / "out" / "trajectory_r1_final.tum")) == 9
+    assert run(["solve", str(tmp_path / "out" / "solved.g2o"), "--json"]) == 0
 
 
 def test_relations_are_compared_on_demand(recording, tmp_path, capsys):
@@ -80,11 +142,18 @@ def test_relations_are_compared_on_demand(recording, tmp_path, capsys):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["mars", "FILE"], "there is no dataset 'mars'; known are intel"),
+        (["mars", "FILE"], "there is no dataset 'mars'; known are csail, g2o, intel, log, mrclam"),
         (["intel", "absent.npz"], "there is no recording absent.npz"),
+        (["log", "FILE"], "is no mission log that waymark export wrote"),
+        (["g2o", "absent.g2o"], "cannot read the graph absent.g2o"),
+        (["g2o", "FILE"], "has no VERTEX_SE2 and no EDGE_SE2 line"),
+        (["g2o", "FILE", "--robots", "1"], "a pose graph has no robots and no sensors"),
         (["intel", "FILE", "--virtual-tags", "0"], "--virtual-tags has to be greater than 0"),
         (["intel", "FILE", "--virtual-tags", "nan"], "--virtual-tags has to be a finite number"),
         (["intel", "FILE", "--speed", "-1"], "--speed has to be 0 or more"),
+        (["intel", "FILE", "--slam", "ekf"], "--slam has to be tag-graph or odometry, not 'ekf'"),
+        (["intel", "FILE", "--robots", "2"], "--robots 2: the recording has 1: r1"),
+        (["intel", "FILE", "--order", "r2"], "--order: there is no robot 'r2'; there are r1"),
         (["intel", "FILE", "--relations", "absent"], "cannot read the relations absent"),
         (["intel", "FILE", "--server", "ftp://x"], "is not the address of a server"),
         (
@@ -143,6 +212,17 @@ def test_a_recording_is_posted_through_the_robot_api(recording, control, capsys)
     assert [item["seq"] for item in observations] == list(range(104))
     assert seen["robots"][0]["config"]["antenna"]["radius_m"] == 0.15
     assert observations[0]["tag_sightings"] == [{"tag_id": "1", "memory": ""}]
+
+
+def test_agents_on_a_server_are_told_how_to_estimate_too(team, control, capsys):
+    url, seen = control
+    options = ["--server", url, "--speed", "0", "--robots", "2", "--order", "r2", "--slam", "odometry"]
+    assert run(["replay", "mrclam", str(team), *options, "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["robots"] == 2
+    assert [robot["robot_id"] for robot in seen["robots"]] == ["r2", "r1"]
+    assert seen["robots"][0]["config"]["slam"] == "odometry"
+    observed = [item for batch in seen["batches"] for item in batch["observations"]]
+    assert any("range_m" in tag for item in observed for tag in item.get("tag_sightings", ()))
 
 
 def test_the_speed_is_kept_and_a_second_call_goes_on(recording, control, capsys):

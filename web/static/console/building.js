@@ -14,10 +14,13 @@ export class Building {
   /**
    * @param {import("leaflet").Map} map
    * @param {Store} store
+   * @param {{of: () => MapInfo | null, isShown: () => boolean, onFree: (free_m2: number) => void}} source which map,
+   *   whether it is the one that is looked at, and who wants to know how much floor is in it
    */
-  constructor(map, store) {
+  constructor(map, store, source) {
     this.map = map;
     this.store = store;
+    this.source = source;
     this.canvas = document.createElement("canvas");
     this.canvas.className = "leaflet-image-layer building";
     /** @type {any} */
@@ -27,15 +30,16 @@ export class Building {
     this.loadedAt = 0;
   }
 
-  /** Bring the overlay to the board's version, at most twice a second. */
+  /** Bring the overlay to the latest version, at most twice a second, also while another map is looked at. */
   update() {
-    const { map: info, layers } = this.store;
+    const { layers } = this.store;
+    const info = this.source.of();
     if (!info || !layers.map) {
       this.overlay?.remove();
       if (!info) this.overlay = null, this.shownAddress = "";
       return;
     }
-    if (this.overlay && !this.map.hasLayer(this.overlay)) this.overlay.addTo(this.map);
+    this.#place();
     const address = `${info.png}#${info.version}`;
     if (this.loading || address === this.shownAddress) return;
     this.loading = true;
@@ -82,7 +86,7 @@ export class Building {
     const image = ctx.getImageData(0, 0, width, height);
     const free = paint(image.data, palette);
     ctx.putImageData(image, 0, 0);
-    this.store.exploredM2 = free * info.resolution_m ** 2;
+    this.source.onFree(free * info.resolution_m ** 2);
 
     const [x_m, y_m] = info.origin_m;
     /** @type {[number, number][]} */
@@ -92,7 +96,14 @@ export class Building {
       this.overlay = L.imageOverlay("", bounds, { pane: "building" });
       this.overlay._image = canvas; // an image overlay makes its own <img> unless it has an element already
     }
-    if (this.store.layers.map && !this.map.hasLayer(this.overlay)) this.overlay.addTo(this.map);
+    this.#place();
+  }
+
+  /** Put the overlay on the plan, or take it off. */
+  #place() {
+    if (!this.overlay) return;
+    const isWanted = this.store.layers.map && this.source.isShown();
+    if (isWanted !== this.map.hasLayer(this.overlay)) isWanted ? this.overlay.addTo(this.map) : this.overlay.remove();
   }
 }
 

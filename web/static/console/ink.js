@@ -7,6 +7,7 @@ import { ellipse } from "./format.js";
 /** @import {View} from "./canvas_layer.js" */
 
 const TAG = "#fff3c4";
+const DOUBTED = "#ff8a4c";
 const HALO = "rgba(7, 11, 17, 0.85)";
 const LABEL_FROM_PX_PER_M = 16;
 const GRID_STEPS_M = [1, 5, 10, 50, 100, 500];
@@ -64,9 +65,10 @@ function drawLinks(ctx, view, store) {
   ctx.strokeStyle = "rgba(255, 243, 196, 0.28)";
   ctx.lineWidth = 1;
   ctx.beginPath();
-  for (const [first, second] of store.links) {
-    const a = store.tags.get(first);
-    const b = store.tags.get(second);
+  const { links, tags } = store.shown;
+  for (const [first, second] of links) {
+    const a = tags.get(first);
+    const b = tags.get(second);
     if (!a || !b) continue;
     ctx.moveTo(view.toX(a.x_m), view.toY(a.y_m));
     ctx.lineTo(view.toX(b.x_m), view.toY(b.y_m));
@@ -80,7 +82,7 @@ function drawLinks(ctx, view, store) {
  * @param {Store} store
  */
 function drawTrails(ctx, view, store) {
-  for (const trail of store.trails.values()) {
+  for (const trail of store.shown.trails.values()) {
     const isSelected = store.isSelectedRobot(trail.robot_id);
     ctx.globalAlpha = isSelected ? 0.95 : store.selected?.kind === "robot" ? 0.35 : 0.6;
     ctx.lineWidth = isSelected ? 2.5 : 1.75;
@@ -96,7 +98,7 @@ function drawTrails(ctx, view, store) {
  * @param {Store} store
  */
 function drawPlan(ctx, view, store) {
-  const robot = store.selected?.kind === "robot" ? store.robots.get(store.selected.id) : undefined;
+  const robot = store.selected?.kind === "robot" ? store.shown.robots.get(store.selected.id) : undefined;
   if (!robot) return;
   const color = robotColor(robot.robot_id);
   if (robot.path_m?.length) {
@@ -126,6 +128,44 @@ function drawPlan(ctx, view, store) {
   }
 }
 
+/** @param {import("./types.js").Tag} tag */
+function isDoubted(tag) {
+  return (tag.state ?? "sound") !== "sound";
+}
+
+/**
+ * Tags that are not where all readings put them: hollow, dashed and larger, so that no colour is needed to tell.
+ *
+ * @param {CanvasRenderingContext2D} ctx
+ * @param {{x: number, y: number}[]} drawn
+ * @param {number} radius
+ */
+function drawDoubtedTags(ctx, drawn, radius) {
+  ctx.beginPath();
+  for (const { x, y } of drawn) diamond(ctx, x, y, radius);
+  ctx.lineWidth = 4;
+  ctx.stroke();
+  ctx.strokeStyle = DOUBTED;
+  ctx.lineWidth = 1.5;
+  ctx.setLineDash([3, 2]);
+  ctx.stroke();
+  ctx.setLineDash([]);
+}
+
+/**
+ * @param {CanvasRenderingContext2D} ctx
+ * @param {number} x
+ * @param {number} y
+ * @param {number} radius
+ */
+function diamond(ctx, x, y, radius) {
+  ctx.moveTo(x, y - radius);
+  ctx.lineTo(x + radius, y);
+  ctx.lineTo(x, y + radius);
+  ctx.lineTo(x - radius, y);
+  ctx.closePath();
+}
+
 /**
  * @param {CanvasRenderingContext2D} ctx
  * @param {View} view
@@ -136,7 +176,7 @@ function drawTags(ctx, view, store) {
   const isClose = view.scale >= LABEL_FROM_PX_PER_M;
   const drawn = [];
   const taken = new Set();
-  for (const tag of store.tags.values()) {
+  for (const tag of store.shown.tags.values()) {
     const [x, y] = [view.toX(tag.x_m), view.toY(tag.y_m)];
     if (x < -40 || y < -40 || x > view.width + 40 || y > view.height + 40) continue;
     // Far out, tags nearer than six pixels would only make a smear: the first one stands for its neighbours.
@@ -150,15 +190,10 @@ function drawTags(ctx, view, store) {
   ctx.strokeStyle = HALO;
   ctx.lineWidth = 2;
   ctx.beginPath();
-  for (const { x, y } of drawn) {
-    ctx.moveTo(x, y - radius);
-    ctx.lineTo(x + radius, y);
-    ctx.lineTo(x, y + radius);
-    ctx.lineTo(x - radius, y);
-    ctx.closePath();
-  }
+  for (const { tag, x, y } of drawn) if (!isDoubted(tag)) diamond(ctx, x, y, radius);
   ctx.stroke();
   ctx.fill();
+  drawDoubtedTags(ctx, drawn.filter(({ tag }) => isDoubted(tag)), radius + 1.5);
   if (isClose) drawTagLabels(ctx, drawn, radius);
 }
 
@@ -196,11 +231,12 @@ function drawTagLabels(ctx, drawn, radius) {
   const placed = /** @type {[number, number, number][]} */ ([]);
   for (const { tag, x, y } of drawn) {
     const left = x + radius + 4;
-    const width = ctx.measureText(tag.tag_id).width;
+    const text = isDoubted(tag) ? `${tag.tag_id} ${tag.state}` : tag.tag_id;
+    const width = ctx.measureText(text).width;
     if (placed.some(([l, t, w]) => Math.abs(t - y) < 13 && left < l + w + 6 && l < left + width + 6)) continue;
     placed.push([left, y, width]);
-    ctx.strokeText(tag.tag_id, left, y);
-    ctx.fillText(tag.tag_id, left, y);
+    ctx.strokeText(text, left, y);
+    ctx.fillText(text, left, y);
   }
 }
 

@@ -38,6 +38,7 @@ const select = (kind) => (/** @type {string} */ id) => {
 function openMission(missionId) {
   if (missionId === store.missionId) return;
   stream?.close();
+  store.best.clear();
   store.clearBoard();
   store.missionId = missionId;
   store.exploredM2 = 0;
@@ -105,6 +106,7 @@ function renderPanels() {
   const { state } = store.connection;
   document.body.dataset.tab = store.tab;
   document.body.dataset.view = store.view;
+  document.body.dataset.map = store.best.isShown ? "best" : "live";
   document.body.dataset.connection = state;
   document.title = `${state === "stale" ? "STALE · " : ""}${store.mission?.name ?? "Waymark"} · Waymark`;
   render(html`<${TopBar} store=${store} stops=${stops} onMission=${openMission} onView=${setView} />`, element("top"));
@@ -140,6 +142,7 @@ addEventListener("keydown", (event) => {
   const target = /** @type {HTMLElement} */ (event.target);
   if (event.ctrlKey || event.metaKey || event.altKey || /^(INPUT|SELECT|TEXTAREA)$/.test(target.tagName)) return;
   if (event.key === "f") plan.fit();
+  else if (event.key === "b") store.best.isShown ? store.best.showLive() : store.best.show();
   else if (event.key === "Escape") store.select(null);
 });
 

@@ -36,8 +36,9 @@ export class Marks {
   update() {
     const { store } = this;
     const wanted = new Set();
-    for (const robot of store.robots.values()) wanted.add(this.#robot(robot));
-    if (store.layers.victims) for (const victim of store.victims.values()) wanted.add(this.#victim(victim));
+    const { robots, victims } = store.shown;
+    for (const robot of robots.values()) wanted.add(this.#robot(robot));
+    if (store.layers.victims) for (const victim of victims.values()) wanted.add(this.#victim(victim));
     if (store.layers.notes) {
       for (const [id, annotation] of store.annotations) wanted.add(this.#note(id, annotation));
     }
@@ -101,7 +102,7 @@ export class Marks {
    * @param {Annotation} annotation
    */
   #note(id, annotation) {
-    const tag = annotation.tag_id ? this.store.tags.get(annotation.tag_id) : undefined;
+    const tag = annotation.tag_id ? this.store.shown.tags.get(annotation.tag_id) : undefined;
     const x_m = annotation.x_m ?? tag?.x_m;
     const y_m = annotation.y_m ?? tag?.y_m;
     const key = `note/${id}`;

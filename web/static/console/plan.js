@@ -4,6 +4,7 @@ import { Building } from "./building.js";
 import { canvasLayer } from "./canvas_layer.js";
 import { drawGround, drawInk } from "./ink.js";
 import { Marks } from "./marks.js";
+import { drawEnds } from "./map_switch.js";
 import { L } from "./vendor.js";
 
 /** @import {Store} from "./store.js" */
@@ -46,7 +47,17 @@ export class Plan {
     }
     this.ground = canvasLayer("ground", drawGround(store)).addTo(this.map);
     this.ink = canvasLayer("ink", drawInk(store)).addTo(this.map);
-    this.building = new Building(this.map, store);
+    this.ends = canvasLayer("ink", drawEnds(store)).addTo(this.map);
+    this.building = new Building(this.map, store, {
+      of: () => store.map,
+      isShown: () => !store.best.isShown,
+      onFree: (free_m2) => (store.exploredM2 = free_m2),
+    });
+    this.best = new Building(this.map, store, {
+      of: () => store.best.content?.map ?? null,
+      isShown: () => store.best.isShown,
+      onFree: () => {},
+    });
     this.marks = new Marks(this.map, store, (selected) => store.select(selected));
     this.map.on("dragstart", () => this.#setMode("free"));
     root.addEventListener("wheel", () => this.mode === "fit" && this.#setMode("free"), { passive: true });
@@ -62,9 +73,11 @@ export class Plan {
 
   update() {
     this.building.update();
+    this.best.update();
     this.marks.update();
     this.ground.refresh();
     this.ink.refresh();
+    this.ends.refresh();
     if (this.mode === "fit") this.#fit();
     if (this.mode === "follow") this.#follow();
   }
@@ -90,9 +103,10 @@ export class Plan {
 
   /** Put the selected robot or victim into the middle of the view. */
   centreOnSelected() {
-    const { selected } = this.store;
+    const { selected, best, robots, shown } = this.store;
+    const ends = new Map(best.content?.robots.map((robot) => [robot.robot_id, robot]));
     const thing = selected?.kind === "robot"
-      ? this.store.robots.get(selected.id) : this.store.victims.get(selected?.id ?? "");
+      ? (best.isShown ? ends : robots).get(selected.id) : shown.victims.get(selected?.id ?? "");
     if (!thing) return;
     if (this.mode === "fit") this.#setMode("free");
     this.map.setView([thing.y_m, thing.x_m], Math.max(this.map.getZoom(), CLOSE_ZOOM - 0.7), { animate: false });
@@ -111,7 +125,7 @@ export class Plan {
   }
 
   #fit() {
-    const { map: info, robots, victims } = this.store;
+    const { map: info, robots, victims } = this.store.shown;
     const bounds = L.latLngBounds([]);
     if (info) {
       const [x_m, y_m] = info.origin_m;
@@ -151,7 +165,7 @@ export class Plan {
     let tag = "";
     let nearest_m = reach_m;
     if (this.store.layers.tags) {
-      for (const each of this.store.tags.values()) {
+      for (const each of this.store.shown.tags.values()) {
         const distance_m = Math.hypot(each.x_m - place.lng, each.y_m - place.lat);
         if (distance_m < nearest_m) [tag, nearest_m] = [each.tag_id, distance_m];
       }

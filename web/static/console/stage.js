@@ -1,6 +1,7 @@
 /** What lies over the plan: tools, layers, scale, cursor, north, and words when there is nothing to show. */
 
 import { fixed } from "./format.js";
+import { BestWords, MapSwitch } from "./map_switch.js";
 import { LAYERS } from "./store.js";
 import { Component, html } from "./vendor.js";
 
@@ -11,9 +12,10 @@ const LONGEST_BAR_PX = 120;
 
 /** @param {{store: Store, plan: Plan}} props */
 export function PlanTools({ store, plan }) {
-  const hasRobot = store.selected?.kind === "robot";
+  const hasRobot = store.selected?.kind === "robot" && !store.best.isShown;
   return html`
     <div class="tools tools-left">
+      <${MapSwitch} store=${store} />
       <${LayerMenu} store=${store} />
     </div>
     <div class="tools tools-right">
@@ -33,8 +35,20 @@ export function PlanTools({ store, plan }) {
       <${ScaleBar} scale=${plan.scale()} />
       ${plan.cursor && html`<span class="cursor">x ${fixed(plan.cursor.x_m, 2)}  y ${fixed(plan.cursor.y_m, 2)} m
         ${plan.cursor.tag && html`<b>${plan.cursor.tag}</b>`}</span>`}
+      ${noticeAt(plan, store) && html`<span class="tag-notice">${noticeAt(plan, store)}</span>`}
     </div>
+    <${BestWords} store=${store} />
     <${PlanWords} store=${store} />`;
+}
+
+/**
+ * What is wrong with the tag under the cursor, if anything.
+ *
+ * @param {Plan} plan
+ * @param {Store} store
+ */
+function noticeAt(plan, store) {
+  return (plan.cursor?.tag && store.tags.get(plan.cursor.tag)?.notice) || "";
 }
 
 /** A bar of 1, 2 or 5 times a power of ten metres. @param {{scale: number}} props */

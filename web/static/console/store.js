@@ -1,5 +1,7 @@
 /** All that the page knows: the mission's board, the connection, and what the operator has chosen. */
 
+import { BestMap } from "./best_map.js";
+
 /** @import {Annotation, ConnectionState, MapInfo, Mission, MissionEvent, Robot, Tag, Trail, Victim} from "./types.js" */
 
 const PREFERENCES = "waymark.console";
@@ -45,6 +47,7 @@ export class Store {
   };
 
   constructor() {
+    this.best = new BestMap(this);
     /** @type {Mission[]} */
     this.missions = [];
     /** @type {string | null} */
@@ -79,6 +82,12 @@ export class Store {
     this.mission = null;
     this.links = [];
     this.map = null;
+    this.best.take(null);
+  }
+
+  /** What the plan draws: the board, or the best map in its place. @returns {import("./best_map.js").Layers} */
+  get shown() {
+    return this.best.isShown ? this.best.layers() : this;
   }
 
   /** @param {() => void} listener called after changes, at most once a frame */
@@ -119,6 +128,7 @@ export class Store {
     } else if (kind === "mission") this.mission = value;
     else if (kind === "links") this.links = value?.pairs ?? [];
     else if (kind === "map") this.map = value;
+    else if (kind === "best_map") this.best.take(value);
   }
 
   /** Time on the server's clock, seconds since 1970. */

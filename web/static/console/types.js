@@ -10,13 +10,20 @@
  *   speed_mps: number | null}} Robot
  * @typedef {{robot_id: string, points_m: [number, number][]}} Trail
  * @typedef {{tag_id: string, x_m: number, y_m: number, covariance: number[], sightings: number,
- *   robots: string[]}} Tag
+ *   robots: string[], state?: "sound" | "moved" | "cloned" | "doubtful", notice?: string}} Tag
  * @typedef {{victim_id: string, x_m: number, y_m: number, covariance: number[], confidence: number, status: string,
  *   sightings: number, robots: string[], note?: string | null}} Victim
  * @typedef {{annotation_id?: string, kind: string, text: string, x_m?: number | null, y_m?: number | null,
  *   tag_id?: string | null, by?: string}} Annotation
  * @typedef {{version: number, width: number, height: number, resolution_m: number, origin_m: [number, number],
  *   png: string}} MapInfo
+ * @typedef {{state: "none" | "solving" | "ready" | "failed", reason: string, asked_unix_s: number | null,
+ *   robots_done: number, robots_total: number, solved_unix_s: number | null, explored_m2: number | null,
+ *   map: MapInfo | null, as_of: {robot_id: string, seq: number, stamp_s: number, distance_m: number}[],
+ *   left_out: {robot_id: string, reason: string}[]}} BestMapState
+ * @typedef {Trail & {located: boolean, x_m: number, y_m: number, yaw_rad: number}} BestRobot
+ * @typedef {BestMapState & {is_current: boolean, robots: BestRobot[], tags: Tag[], links: [string, string][],
+ *   victims: {victim_id: string, x_m: number, y_m: number, covariance: number[]}[]}} BestMapContent
  * @typedef {{event_id: number, unix_s: number, kind: string, text: string, robot_id?: string | null,
  *   severity: "info" | "warning" | "alarm"}} MissionEvent
  * @typedef {"loading" | "live" | "reconnecting" | "stale" | "none" | "failed"} ConnectionState

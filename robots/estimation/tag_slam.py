@@ -1,0 +1,203 @@
+"""SLAM over tags for one robot: Kleiner 2006 section IV.
+
+The tracker's filter estimates the displacement since the last anchor; a tag read resets it and makes an
+anchor; the displacements are the edges of the tag graph, which is solved when a known tag is seen again. The
+laser closes the loop there precisely.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import cos, hypot, sin
+
+import numpy as np
+
+from robots.config import AgentConfig
+from robots.estimation.loop_closing import LoopCloser, Sighting
+from robots.estimation.smoothing import smooth
+from robots.estimation.tag_graph import TagGraph
+from robots.estimation.tracking import PoseTracker
+from robots.se2 import Array, GaussianPose, Pose2
+from robots.types import GraphReport, ImuReading, LaserScan, Observation, RobotSighting, TagSighting
+
+_SAME_PASS_M = 0.4  # a tag read again within so much driving is the same pass
+
+
+@dataclass(frozen=True, slots=True)
+class Passage:
+    """What passing tags changed.
+
+    ``read``: tags that came under the antenna just now; ``anchored``: the graph has a new pose vertex;
+    ``moved``: the graph was solved; ``changed``: something was added to it.
+    """
+
+    read: tuple[TagSighting, ...] = ()
+    anchored: bool = False
+    moved: bool = False
+    changed: bool = False
+
+
+class TagSlam:
+    """Pose and tag graph of one robot, in its map frame.
+
+    The frame begins at the robot's start; with an inertial unit its x axis points north.
+    """
+
+    def __init__(self, config: AgentConfig, stamp_s: float, imu: ImuReading | None) -> None:
+        self._config = config
+        yaw = None if imu is None else imu.yaw_rad
+        start = Pose2(0.0, 0.0, yaw or 0.0)
+        self._tracker = PoseTracker(config, start.theta)
+        self._graph = TagGraph(config, start, stamp_s, yaw)
+        self._loops = LoopCloser(config.loops)
+        self._loops.anchored(0, start, 0.0)
+        self._last_read: tuple[str, float] | None = None  # id, way driven when it was read
+        self._anchor_driven_m = 0.0
+
+    @property
+    def distance_m(self) -> float:
+        """Way driven so far."""
+        return self._tracker.distance_m
+
+    @property
+    def local_from_base(self) -> Pose2:
+        """Pose in the tracker's frame, which never jumps."""
+        return self._tracker.local_from_base
+
+    @property
+    def anchor(self) -> int:
+        """The newest pose vertex."""
+        return self._graph.newest
+
+    @property
+    def anchor_from_base(self) -> GaussianPose:
+        """Pose since the newest anchor."""
+        return self._tracker.anchor_from_base
+
+    @property
+    def pose(self) -> Pose2:
+        """Pose in the map frame."""
+        return self._graph.poses[-1] @ self._tracker.anchor_from_base.mean
+
+    @property
+    def belief(self) -> GaussianPose:
+        """Pose in the map frame with its covariance."""
+        return self._graph.last_belief @ self._tracker.anchor_from_base
+
+    @property
+    def anchors(self) -> list[Pose2]:
+        """All pose vertices in the map frame."""
+        return self._graph.poses
+
+    def tag_place(self, tag_id: str) -> tuple[float, float]:
+        """Return where a tag is in the map frame.
+
+        Raises:
+            KeyError: it was never seen.
+        """
+        return self._graph.tags[tag_id][1]
+
+    def tag_places(self) -> list[tuple[float, float]]:
+        """Return where all tags are in the map frame."""
+        return [place for _, place in self._graph.tags.values()]
+
+    def report(self) -> GraphReport:
+        """Return the graph as it leaves the process."""
+        return self._graph.report()
+
+    def smoothed(self) -> GraphReport:
+        """Return the graph as a batch solve of all that was recorded has it; nothing changes here."""
+        return smooth(self._graph.report(), self._loops, self._config)
+
+    def predict(self, observation: Observation, moved: bool, slipping: bool) -> None:
+        """Move by wheels and inertial unit (eq. 1 and 2).
+
+        Without ``moved`` the wheels do not count: what was driven before the first observation is not part of
+        the map.
+        """
+        odometry = observation.odometry if moved else None
+        self._tracker.predict(observation.stamp_s, odometry, observation.imu, slipping)
+
+    def match(self, scan: LaserScan) -> None:
+        """Fuse the scan matcher's pose (eq. 3 and 4)."""
+        self._tracker.match(scan)
+        if self._closes_loops and self._tracker.points is not None:
+            self._loops.keep(self.local_from_base, self.distance_m, self._tracker.points)
+
+    def pass_tags(self, observation: Observation) -> Passage:
+        """Restart the filter at tags, keep the displacement as an edge, close loops, solve (eq. 5)."""
+        read = tuple(
+            s for s in observation.tag_sightings if s.range_m is None and self._is_new_pass(s.tag_id)
+        )
+        seen = tuple(s for s in observation.tag_sightings if s.range_m is not None)
+        met = observation.robot_sightings
+        overdue = self.distance_m - self._anchor_driven_m > self._config.mapping.submap_travel_m
+        anchored = bool(read) or overdue or self._tracker.lost or (bool(seen or met) and self._has_moved())
+        if anchored:
+            self._add_anchor(observation)
+        known = False
+        for sighting in read:
+            known |= self._see(sighting.tag_id, (self._config.antenna.ahead_m, 0.0), self._antenna_spread)
+            self._last_read = (sighting.tag_id, self.distance_m)
+        for sighting in seen:
+            known |= self._see(sighting.tag_id, *self._from_afar(sighting))
+        for robot in met:
+            self._graph.add_meeting(robot.robot_id, observation.stamp_s, *self._from_afar(robot))
+        closed = self._close_loop()
+        solving = (known or closed) and self._config.poses == "slam" and self._config.slam == "tag-graph"
+        if solving:
+            self._graph.solve()
+        return Passage(read, anchored, solving, bool(read or seen or met) or anchored or closed)
+
+    @property
+    def _closes_loops(self) -> bool:
+        config = self._config
+        return config.loops.laser and config.poses == "slam" and config.slam == "tag-graph"
+
+    @property
+    def _antenna_spread(self) -> Array:
+        return np.diag(self._config.antenna.variances)
+
+    def _is_new_pass(self, tag_id: str) -> bool:
+        last = self._last_read
+        return last is None or last[0] != tag_id or self.distance_m - last[1] > _SAME_PASS_M
+
+    def _has_moved(self) -> bool:
+        here, ranging = self.anchor_from_base.mean, self._config.ranging
+        return hypot(here.x, here.y) > ranging.anchor_travel_m or abs(here.theta) > ranging.anchor_turn_rad
+
+    def _add_anchor(self, observation: Observation) -> None:
+        yaw = None if observation.imu is None else observation.imu.yaw_rad
+        vertex = self._graph.add_pose(self._tracker.restart(), observation.stamp_s, yaw)
+        self._anchor_driven_m = self.distance_m
+        if self._closes_loops:
+            self._loops.anchored(vertex, self.local_from_base, self.distance_m)
+
+    def _see(self, tag_id: str, place_m: tuple[float, float], covariance: Array) -> bool:
+        """Note a sighting, given in the newest anchor's frame; say whether it is news of a known tag."""
+        news = self._graph.add_sighting(tag_id, place_m, covariance)
+        if self._closes_loops:
+            tag = self._graph.tags[tag_id][0]
+            self._loops.sighted(Sighting(self.anchor, tag, place_m, covariance, self.distance_m))
+        return news
+
+    def _from_afar(self, seen: TagSighting | RobotSighting) -> tuple[tuple[float, float], Array]:
+        """Return what was seen by range and bearing as a place in the newest anchor's frame."""
+        range_m, bearing = seen.range_m or 0.0, seen.bearing_rad or 0.0
+        x, y = range_m * cos(bearing), range_m * sin(bearing)
+        here = self.anchor_from_base
+        c, s = cos(here.mean.theta), sin(here.mean.theta)
+        turned = np.array([[c, -s], [s, c]])
+        by_pose = np.array([[1.0, 0.0, -s * x - c * y], [0.0, 1.0, c * x - s * y]])
+        spread = turned @ np.array(self._config.ranging.covariance(range_m, bearing)) @ turned.T
+        spread += by_pose @ here.covariance @ by_pose.T
+        return here.mean.transform_point(x, y), (spread + spread.T) / 2.0
+
+    def _close_loop(self) -> bool:
+        if not self._closes_loops:
+            return False
+        loop = self._loops.close(self.distance_m, self._graph.poses, self._graph.relative)
+        if loop is None:
+            return False
+        self._graph.add_loop(loop.earlier, loop.later, loop.earlier_from_later)
+        return True

@@ -1,0 +1,16 @@
+"""The experiments there are, by name."""
+
+from __future__ import annotations
+
+from robots.experiments import kleiner_cellar, kleiner_slam, kleiner_time, slip
+from robots.experiments.experiment import Experiment
+
+_ALL: tuple[Experiment, ...] = (
+    kleiner_slam.EXPERIMENT,
+    kleiner_slam.ON_PLANS,
+    kleiner_time.EXPERIMENT,
+    kleiner_cellar.EXPERIMENT,
+    slip.EXPERIMENT,
+)
+
+EXPERIMENTS: dict[str, Experiment] = {experiment.name: experiment for experiment in _ALL}

@@ -1,0 +1,1 @@
+"""A physical 4WD robot (MuJoCo, extra ``physics``): it teaches the slip detector what slip looks like."""
