@@ -148,7 +148,6 @@ def minimum_degree(
             degree[i] = min(degree[i], beyond)
             bucket = mixed % n
             alike[i], hashed[bucket] = hashed[bucket], i
-            kept[0] = bucket
             size[i] = bucket  # remembered where an element's size will stand once i is one
         for where in range(begin, used):  # vertices with the same neighbours stand for each other
             i = pool[where]

@@ -1,0 +1,158 @@
+"""Pose graphs solved at once and as they grow, beside GTSAM in alternating runs where it is installed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from statistics import median
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+from robots.datasets import g2o
+from robots.estimation.graph import solve as solve_graph
+from robots.estimation.graph_incremental import IncrementalGraph
+from robots.se2 import Array, Pose2
+
+try:
+    import gtsam
+except ImportError:  # the rival is no dependency
+    gtsam = None
+
+_RUNS = 5
+_TOLERANCE = 1e-6  # of chi2
+_ABSENT = "not installed"
+
+
+def solve(path: Path) -> dict[str, Any]:
+    """Return the times of batch solutions, structure building included, and chi2; medians of five runs."""
+    graph = g2o.read(path)
+    problem, _ = graph.problem()
+
+    def ours() -> Array:
+        return solve_graph(problem, max_iterations=100, tolerance=_TOLERANCE).poses
+
+    first, ours_s, rival, rival_s = ours(), [], None, []
+    make = None if gtsam is None else _batch_rival(graph)
+    for _ in range(_RUNS):
+        ours_s.append(_timed(ours)[0])
+        if make is not None:
+            seconds, rival = _timed(make)
+            rival_s.append(seconds)
+    result: dict[str, Any] = {"graph": path.stem, "solve_ms": 1e3 * median(ours_s), "chi2": graph.chi2(first)}
+    if rival is None:
+        return result | {"gtsam": _ABSENT}
+    return result | {
+        "gtsam_ms": 1e3 * median(rival_s),
+        "gtsam_chi2": graph.chi2(rival),
+        "times_faster": median(rival_s) / median(ours_s),
+    }
+
+
+def incremental(path: Path) -> dict[str, Any]:
+    """Return the times of a graph grown pose by pose with all edges to earlier poses, an update after each."""
+    graph = g2o.read(path)
+    by_pose: list[list[int]] = [[] for _ in graph.ids]
+    for k, pair in enumerate(graph.pairs.tolist()):
+        by_pose[max(pair)].append(k)
+    few = min(len(by_pose), 50)
+    _grow(graph, by_pose[:few])  # compiles
+    steps, poses = _grow(graph, by_pose)
+    result: dict[str, Any] = {
+        "graph": path.stem,
+        "total_s": float(steps.sum()),
+        "step_ms_p50": 1e3 * float(np.median(steps)),
+        "step_ms_p99": 1e3 * float(np.percentile(steps, 99)),
+        "chi2": graph.chi2(poses),
+    }
+    if gtsam is None:
+        return result | {"isam2": _ABSENT}
+    rival, poses = _grow_rival(graph, by_pose)
+    return result | {
+        "isam2_total_s": float(rival.sum()),
+        "isam2_step_ms_p50": 1e3 * float(np.median(rival)),
+        "isam2_chi2": graph.chi2(poses),
+        "times_faster": float(rival.sum() / steps.sum()),
+    }
+
+
+def _timed(call: Callable[[], Array]) -> tuple[float, Array]:
+    began = perf_counter()
+    found = call()
+    return perf_counter() - began, found
+
+
+def _grow(graph: g2o.PoseGraph, by_pose: list[list[int]]) -> tuple[Array, Array]:
+    pairs, measured, information = graph.pairs.tolist(), graph.measured.tolist(), list(graph.information)
+    growing, steps = IncrementalGraph(), np.empty(len(by_pose))
+    for n, edges in enumerate(by_pose):
+        began = perf_counter()
+        growing.add_pose(_begin(growing.pose, graph, n, edges))
+        if not edges:
+            growing.add_prior(n, graph.poses[n], np.full(3, 1e-6))
+        for k in edges:
+            i, j = pairs[k]
+            growing.add_edge(i, j, measured[k], information=information[k])
+        growing.update()
+        steps[n] = perf_counter() - began
+    return steps, growing.poses
+
+
+def _begin(pose: Callable[[int], Array], graph: g2o.PoseGraph, n: int, edges: list[int]) -> Array:
+    """Return where a pose starts: at the end of the edge from the newest of those before it."""
+    best = max(edges, key=lambda k: min(graph.pairs[k]), default=-1)
+    if best < 0:
+        return graph.poses[n]
+    i, j = graph.pairs[best].tolist()
+    step = Pose2.from_array(graph.measured[best])
+    return (Pose2.from_array(pose(min(i, j))) @ (step if i < j else step.inverse())).as_array()
+
+
+def _noise(information: Array) -> Any:
+    return gtsam.noiseModel.Gaussian.Information(information)
+
+
+def _batch_rival(graph: g2o.PoseGraph) -> Callable[[], Array]:
+    factors, values = gtsam.NonlinearFactorGraph(), gtsam.Values()
+    for (i, j), z, information in zip(graph.pairs.tolist(), graph.measured, graph.information, strict=True):
+        factors.add(gtsam.BetweenFactorPose2(i, j, gtsam.Pose2(*z), _noise(information)))
+    for k, pose in enumerate(graph.poses):
+        values.insert(k, gtsam.Pose2(*pose))
+    hold = gtsam.noiseModel.Isotropic.Sigma(3, 1e-6)
+    factors.add(gtsam.PriorFactorPose2(0, gtsam.Pose2(*graph.poses[0]), hold))
+
+    def run() -> Array:
+        return _poses(gtsam.GaussNewtonOptimizer(factors, values).optimize(), len(graph.poses))
+
+    return run
+
+
+def _grow_rival(graph: g2o.PoseGraph, by_pose: list[list[int]]) -> tuple[Array, Array]:
+    pairs = graph.pairs.tolist()
+    measured = [gtsam.Pose2(*z) for z in graph.measured]
+    noise = [_noise(information) for information in graph.information]
+    hold = gtsam.noiseModel.Isotropic.Sigma(3, 1e-6)
+    growing, steps = gtsam.ISAM2(gtsam.ISAM2Params()), np.empty(len(by_pose))
+
+    def pose(k: int) -> Array:
+        found = growing.calculateEstimatePose2(k)
+        return np.array([found.x(), found.y(), found.theta()])
+
+    for n, edges in enumerate(by_pose):
+        began = perf_counter()
+        factors, values = gtsam.NonlinearFactorGraph(), gtsam.Values()
+        values.insert(n, gtsam.Pose2(*_begin(pose, graph, n, edges)))
+        if not edges:
+            factors.add(gtsam.PriorFactorPose2(n, gtsam.Pose2(*graph.poses[n]), hold))
+        for k in edges:
+            i, j = pairs[k]
+            factors.add(gtsam.BetweenFactorPose2(i, j, measured[k], noise[k]))
+        growing.update(factors, values)
+        steps[n] = perf_counter() - began
+    return steps, _poses(growing.calculateEstimate(), len(graph.poses))
+
+
+def _poses(values: Any, count: int) -> Array:
+    found = (values.atPose2(k) for k in range(count))
+    return np.array([(pose.x(), pose.y(), pose.theta()) for pose in found])
