@@ -43,8 +43,11 @@ class PoseGraph:
         """Return the sum of e' Omega e over all edges at poses (n, 3), as g2o reckons it."""
         return float(link_chi2(poses, self.pairs, self.measured, self.information).sum())
 
-    def problem(self) -> tuple[GraphProblem, tuple[str, ...]]:
-        """Return the graph, each of its pieces held where one vertex is, and notes on the pieces."""
+    def problem(self, robust: bool = False) -> tuple[GraphProblem, tuple[str, ...]]:
+        """Return the graph, each of its pieces held where one vertex is, and notes on the pieces.
+
+        If ``robust``, edges of vertices whose ids do not follow each other carry a kernel.
+        """
         root = pieces(len(self.ids), self.pairs, self.information)
         fixed = np.array(sorted(self.held), np.int64)
         loose = np.setdiff1d(root, root[fixed])
@@ -71,6 +74,9 @@ class PoseGraph:
                 prior_index=index,
                 prior_poses=self.poses[index],
                 prior_sds=np.full((len(index), 3), min(sd, 1e-6) if len(fixed) > 1 else sd),
+                edge_robust=np.abs(np.diff(np.array(self.ids)[self.pairs], axis=1)[:, 0]) != 1
+                if robust
+                else None,
             ),
             notes,
         )

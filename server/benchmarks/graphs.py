@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from importlib import import_module
+from importlib.util import find_spec
 from pathlib import Path
 from statistics import median
 from time import perf_counter
@@ -15,10 +17,7 @@ from robots.estimation.graph import solve as solve_graph
 from robots.estimation.graph_incremental import IncrementalGraph
 from robots.se2 import Array, Pose2
 
-try:
-    import gtsam
-except ImportError:  # the rival is no dependency
-    gtsam = None
+gtsam: Any = import_module("gtsam") if find_spec("gtsam") else None  # the rival is no dependency
 
 _RUNS = 5
 _TOLERANCE = 1e-6  # of chi2
@@ -51,7 +50,7 @@ def solve(path: Path) -> dict[str, Any]:
 
 
 def incremental(path: Path) -> dict[str, Any]:
-    """Return the times of a graph grown pose by pose with all edges to earlier poses, an update after each."""
+    """Return the times of a graph grown pose by pose with all edges to earlier ones, each time updated."""
     graph = g2o.read(path)
     by_pose: list[list[int]] = [[] for _ in graph.ids]
     for k, pair in enumerate(graph.pairs.tolist()):
@@ -103,7 +102,7 @@ def _begin(pose: Callable[[int], Array], graph: g2o.PoseGraph, n: int, edges: li
     """Return where a pose starts: at the end of the edge from the newest of those before it."""
     best = max(edges, key=lambda k: min(graph.pairs[k]), default=-1)
     if best < 0:
-        return graph.poses[n]
+        return np.asarray(graph.poses[n])
     i, j = graph.pairs[best].tolist()
     step = Pose2.from_array(graph.measured[best])
     return (Pose2.from_array(pose(min(i, j))) @ (step if i < j else step.inverse())).as_array()

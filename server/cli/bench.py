@@ -9,11 +9,13 @@ import typer
 
 from server.cli.console import CommandError, print_json, print_table
 
-_KNOWN = ("office", "latency", "scan-match")
+_KNOWN = ("office", "latency", "scan-match", "solve", "incremental")
 
 
 def bench(
-    names: Annotated[list[str] | None, typer.Argument(metavar="[office|latency|scan-match]...")] = None,
+    names: Annotated[
+        list[str] | None, typer.Argument(metavar="[office|latency|scan-match|solve|incremental]...")
+    ] = None,
     map_spec: Annotated[
         str, typer.Option("--map", metavar="FILE.yaml|office:AREA", help="Building for `office`.")
     ] = "office:590",
@@ -27,6 +29,12 @@ def bench(
         int, typer.Option(min=1, max=100_000, metavar="N", help="Pairs in each building of `scan-match`.")
     ] = 200,
     seed: Annotated[int, typer.Option(min=0, metavar="S", help="Seed of `scan-match`.")] = 1,
+    graphs: Annotated[
+        list[Path] | None,
+        typer.Option(
+            "--graph", metavar="GRAPH.g2o", help="Pose graph for `solve` and `incremental`; may be repeated."
+        ),
+    ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
 ) -> None:
     """Measure speed and accuracy on this machine. Without a name: `office` and `latency`."""
@@ -34,6 +42,12 @@ def bench(
     for name in names or ["office", "latency"]:
         if name not in _KNOWN:
             raise CommandError(f"there is no benchmark {name}; known are {', '.join(_KNOWN)}")
+        if name in ("solve", "incremental"):
+            for path in graphs or [_no_graph(name)]:
+                results[f"{name} {path.stem}"] = _graph(name, path)
+                if not as_json:
+                    print_table(f"{name} {path.stem}", results[f"{name} {path.stem}"])
+            continue
         if name == "scan-match":
             results[name] = _scan_match(maps, pairs, seed)
         else:
@@ -52,6 +66,20 @@ def _measure(name: str, map_spec: str, minutes: float, seconds: float) -> dict[s
     from server.benchmarks import latency
 
     return latency.measure(seconds=seconds)
+
+
+def _no_graph(name: str) -> Path:
+    raise CommandError(f"`bench {name}` needs a pose graph: --graph GRAPH.g2o")
+
+
+def _graph(name: str, path: Path) -> dict[str, Any]:
+    from robots.estimation.graph_problem import GraphError
+    from server.benchmarks import graphs
+
+    try:
+        return graphs.solve(path) if name == "solve" else graphs.incremental(path)
+    except GraphError as error:
+        raise CommandError(str(error)) from error
 
 
 def _scan_match(maps: Path | None, pairs: int, seed: int) -> dict[str, Any]:

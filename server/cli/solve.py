@@ -14,6 +14,7 @@ from server.cli.options import JsonOption
 
 _RUNS, _MOST_RUNS, _TIMED_S = 5, 200, 0.1  # timed after the first, which compiles and warms
 _TOLERANCE = 1e-6  # of chi2
+_LEFT_OUT_SD = 6.0  # beyond it the kernel leaves less than a sixth of an edge's weight
 
 
 def solve(
@@ -29,6 +30,10 @@ def solve(
     out: Annotated[
         Path | None, typer.Option(metavar="OUT.g2o", help="Write the graph with its solved vertices there.")
     ] = None,
+    robust: Annotated[
+        bool,
+        typer.Option("--robust", help="Edges between poses that do not follow each other may be wrong."),
+    ] = False,
     json: JsonOption = False,
 ) -> None:
     """Solve a pose graph and print chi2 before and after, and the time that takes (warm, without reading)."""
@@ -42,7 +47,7 @@ def solve(
     start: Literal["relaxed", "doubted"] = "relaxed" if method == "linear" else "doubted"
     try:
         pose_graph = g2o.read(graph)
-        problem, pieces = pose_graph.problem()
+        problem, pieces = pose_graph.problem(robust)
         times: list[float] = []
         while len(times) <= _RUNS or (sum(times[1:]) < _TIMED_S and len(times) < _MOST_RUNS):
             began = perf_counter()
@@ -54,6 +59,7 @@ def solve(
         raise CommandError(str(error)) from error
     for note in (*pose_graph.notes, *pieces, *solution.notes):
         say(f"Note: {note}.")
+    left_out = solution.edge_residuals > _LEFT_OUT_SD
     result = {
         "vertices": len(pose_graph.ids),
         "edges": len(pose_graph.pairs),
@@ -62,6 +68,8 @@ def solve(
         "chi2": pose_graph.chi2(solution.poses),
         "solve_ms": 1e3 * median(times[1:]),
     }
+    if robust:
+        result["edges_left_out"] = int(left_out.sum())
     if json:
         print_json(result)
     else:

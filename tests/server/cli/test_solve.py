@@ -51,3 +51,22 @@ def test_what_is_wrong_is_one_sentence(path, tmp_path, capsys):
     path.write_text("VERTEX_SE2 1 0 0 nan\n")
     assert run(["solve", str(path)]) == 1
     assert capsys.readouterr().err == "graph.g2o, line 1: a number is not finite.\n"
+
+
+def test_a_wrong_loop_is_left_out_when_loops_may_be_wrong(path, tmp_path, capsys):
+    path.write_text(GRAPH + "EDGE_SE2 1 3 -5 4 2 100 0 0 100 0 100\nEDGE_SE2 1 3 2.1 0 0 100 0 0 100 0 100\n")
+    out = tmp_path / "out.g2o"
+    assert run(["solve", str(path), "--robust", "--out", str(out), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["edges_left_out"] == 1
+    assert g2o.read(out).poses[2, 0] == pytest.approx(2.16, abs=0.01)  # 2.0 by two edges, 2.3 and 2.1
+    assert run(["solve", str(path), "--out", str(out)]) == 0
+    assert abs(g2o.read(out).poses[2, 1]) > 0.3  # what it does otherwise
+
+
+@pytest.mark.parametrize("name", ["solve", "incremental"])
+def test_the_benchmarks_of_graphs_reach_the_optimum(path, capsys, name):
+    assert run(["bench", name, "--graph", str(path), "--json"]) == 0
+    result = json.loads(capsys.readouterr().out)[f"{name} graph"]
+    assert result["chi2"] == pytest.approx(100 * 3 * 0.1**2, rel=1e-3)
+    assert run(["bench", name]) == 1
+    assert "needs a pose graph" in capsys.readouterr().err
