@@ -44,6 +44,7 @@ __all__ = ["GraphError", "GraphProblem", "GraphSolution", "Marginals", "solve"]
 # no two neighbours contradicting each other much, as in a long chain; then the places contradict them.
 _HUBER_STEPS, _MORE_STEPS = 8, 12  # Huber shows what nothing agrees with, and converges slowly
 _AGREEMENTS = 8
+_BY_CHANCE = 0.02  # of all sightings may be beyond three deviations with nothing wrong
 _DOUBTFUL_RAD, _DOUBTFUL_SD, _TWISTED_RAD = 0.4, 10.0, 1.0
 
 
@@ -162,8 +163,8 @@ def solve(
         if linear or not last.redescends:
             return descent(begin, huber, steps)
         first = descent(begin, huber, min(steps, _HUBER_STEPS))
-        outside = np.isfinite(first.damping) and beyond(first.state, factors, kernel_sd)
-        if not outside and first.steps < _HUBER_STEPS:
+        some = np.isfinite(first.damping) and beyond(first.state, factors, kernel_sd)
+        if not some and first.steps < _HUBER_STEPS:
             return first
         then = descent(first.state, last, max(steps - first.steps, 1) if not edges_robust else _MORE_STEPS)
         return then._replace(before=first.before, steps=first.steps + then.steps)
@@ -177,7 +178,8 @@ def solve(
             begin = better
     best = lowest(begin)
     before = best.before if initial is None else initial
-    if not linear and last.redescends and beyond(best.state, factors, kernel_sd):
+    outside = beyond(best.state, factors, kernel_sd) if last.redescends and not linear else 0
+    if outside and (edges_robust or outside > _BY_CHANCE * len(factors.pairs)):
         # Huber may have been drawn away by what is wrong: descend from the start itself, and from what those
         # edges say that agree with each other, as long as that leads lower.
         best = _lower(best, descent(state, last, steps))
