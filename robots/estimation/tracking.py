@@ -44,6 +44,8 @@ class PoseTracker:
         self._anchor_from_reference = GaussianPose.exact()
         self._reference_from_base = GaussianPose.exact()
         self._matched_here = False  # a scan was matched since the reference was set
+        # the last anchor_from_base and what it was made of: it is asked for several times a step
+        self._joined: tuple[tuple[GaussianPose, GaussianPose, bool], GaussianPose] | None = None
         self._contradictions = 0  # matches in a row that were put aside
         self._foreign = 0  # scans in a row that look through the map's surfaces
         self._yaw_rad: float | None = None
@@ -54,7 +56,11 @@ class PoseTracker:
     @property
     def anchor_from_base(self) -> GaussianPose:
         """Pose since the last restart, with covariance."""
-        return self._anchor_from_reference @ self._with_map_error(self._reference_from_base)
+        made_of = (self._anchor_from_reference, self._reference_from_base, self._matched_here)
+        if self._joined is None or any(a is not b for a, b in zip(self._joined[0], made_of, strict=True)):
+            joined = self._anchor_from_reference @ self._with_map_error(self._reference_from_base)
+            self._joined = made_of, joined
+        return self._joined[1]
 
     def predict(
         self, stamp_s: float, odometry: Odometry | None, imu: ImuReading | None, slipping: bool

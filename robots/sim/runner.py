@@ -161,6 +161,7 @@ def run(
         if stop():
             stopped = True
             break
+    wall_s = time.perf_counter() - began  # of the mission; smoothing comes after it
     reports = {robot_id: agent.smoothed() for robot_id, agent in agents.items()}
     robots = tuple(
         _result(simulation, robot_id, logs[robot_id], reports[robot_id]) for robot_id in config.robot_ids
@@ -173,7 +174,7 @@ def run(
         robots=robots,
         score=mission_score(simulation, [robot.victims_m for robot in robots]),
         clock_s=simulation.clock_s,
-        wall_s=time.perf_counter() - began,
+        wall_s=wall_s,
         stopped=stopped,
     )
 
