@@ -64,9 +64,14 @@ def _warm_up_loops(scan: LaserScan) -> None:
 
 
 def _warm_up_bad_starts() -> None:
-    """Solve a small loop from a start that is in doubt: its kernels are needed rarely, and then at once."""
+    """Solve a small loop from a start that is in doubt, and one with a wrong loop.
+
+    Those kernels are needed rarely, and then at once.
+    """
     graph = TagGraph(AgentConfig(), Pose2(), 0.0, None)
     for turn in range(4):
         graph.add_pose(GaussianPose(Pose2(1.0, 0.0, radians(90.0)), np.eye(3) * 1e-2), float(turn), None)
         graph.add_sighting(f"warm-{turn % 2}", (0.0, 0.0), np.eye(2) * 1e-2)
     solve(graph_problem(graph.report()), start="relaxed")
+    graph.add_loop(0, 3, GaussianPose(Pose2(3.0, 4.0, 1.0), np.eye(3) * 1e-4))  # wrong
+    solve(graph_problem(graph.report()))
