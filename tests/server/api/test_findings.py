@@ -85,7 +85,7 @@ def test_a_victim_is_seen_and_judged(line, drive):
         for wires in drive.wires[60:]:  # robots measure on, and change nothing of what was said
             line.send(wires)
         key = f"victim/{victim['victim_id']}"  # the team's map comes when it has been solved
-        stream.until(lambda s: s.state[key]["sightings"] > victim["sightings"])
+        stream.until(lambda s: s.state[key]["sightings"] > victim["sightings"], seconds=60.0)
     later = line.get(at)
     assert later["sightings"] > victim["sightings"]
     assert (later["status"], later["note"], later["by"]) == ("reached", "awake", "Ada")
