@@ -24,6 +24,7 @@ from server.agents.worker import AgentServant, Servant, TeamServant, serve
 
 PID = struct.Struct("<i")
 AGENT, TEAM, BEST = b"a", b"t", b"b"
+_TEAM_NICENESS = 5  # the map may come a moment later; a robot waits for its order
 _PATIENCE_S = 1.0  # for a worker in the middle of a step when the server is gone
 
 
@@ -73,6 +74,8 @@ def _fork(control: socket.socket, fd: int, role: bytes, agent: ModuleType, team:
 def _servant(role: bytes, agent: ModuleType, team: ModuleType) -> Servant:
     if role == AGENT:
         return AgentServant(agent)
+    if role == TEAM:
+        os.nice(_TEAM_NICENESS)
     return TeamServant(team) if role == TEAM else BestServant(agent, team)
 
 
