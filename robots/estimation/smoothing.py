@@ -22,6 +22,8 @@ from robots.types import GraphReport
 
 _NEAR_M = 2.5  # vertices so near to each other see much the same
 _NEIGHBOURS = 6  # of each vertex: more say the same again
+# No tag vouches for the place here, and places look alike (at MIT one such loop bent the map by metres).
+_SURE_OVERLAP, _SURE_MARGIN = 0.9, 0.3
 _CERTAIN_SD_M = 1.0  # a pair that the graph knows less well may be any two places that look alike
 
 
@@ -57,7 +59,7 @@ def _loops_everywhere(report: GraphReport, solution: GraphSolution, loops: LoopC
             if sqrt(float(np.linalg.eigvalsh(belief.covariance[:2, :2])[1])) > _CERTAIN_SD_M:
                 continue
             match = loops.match(i, later, belief)
-            if match is not None:
+            if match is not None and match.overlap >= _SURE_OVERLAP and match.margin >= _SURE_MARGIN:
                 yield Loop(i, later, match.pose)
 
 
