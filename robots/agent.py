@@ -15,8 +15,8 @@ from zlib import crc32
 import numpy as np
 
 from robots.config import AgentConfig
+from robots.estimation.slam import Slam, begin_slam
 from robots.estimation.slip import SlipDetector
-from robots.estimation.tag_slam import TagSlam
 from robots.exploration.explorer import Decision, Explorer
 from robots.mapping.map_keeper import MapKeeper
 from robots.planning.plan_grid import plan_grid
@@ -49,7 +49,7 @@ class RobotAgent:
         self._victims = VictimTracker(robot_id, config.victims)
         self._slip = SlipDetector(config.odometry.slip) if config.odometry.slip != "off" else None
         self._maps = MapKeeper(config.mapping)
-        self._slam: TagSlam | None = None
+        self._slam: Slam | None = None
         self._last: Observation | None = None
         self._decision = Decision(0.0, 0.0, "starting", "waiting for the first scan")
         self._update: AgentUpdate | None = None
@@ -153,17 +153,23 @@ class RobotAgent:
         if imu is not None and not all(map(isfinite, (imu.yaw_rad, imu.roll_rad, imu.pitch_rad))):
             raise ObservationError("imu holds a value that is not finite")
         for sighting in observation.tag_sightings:
-            if (sighting.range_m is None) != (sighting.bearing_rad is None):
-                raise ObservationError(f"sighting of {sighting.tag_id} has to have range and bearing or none")
+            if sighting.bearing_rad is not None and sighting.range_m is None:
+                raise ObservationError(f"sighting of {sighting.tag_id} has a bearing without a range")
+            if sighting.antenna is not None and sighting.under_antenna:
+                raise ObservationError(
+                    f"sighting of {sighting.tag_id} names an antenna without a range or rssi"
+                )
+            if not isfinite(sighting.rssi_dbm or 0.0):
+                raise ObservationError("a sighting holds a value that is not finite")
         seen: tuple[TagSighting | RobotSighting, ...]
         seen = (*observation.tag_sightings, *observation.robot_sightings)
         if not all(isfinite(s.range_m or 0.0) and isfinite(s.bearing_rad or 0.0) for s in seen):
             raise ObservationError("a sighting holds a value that is not finite")
 
-    def _start(self, observation: Observation) -> TagSlam:
+    def _start(self, observation: Observation) -> Slam:
         """Begin the map at the first observation."""
         if self._slam is None:
-            self._slam = TagSlam(self.config, observation.stamp_s, observation.imu)
+            self._slam = begin_slam(self.robot_id, self.config, observation.stamp_s, observation.imu)
             here = self._slam.local_from_base
             self._maps.begin(0, self._slam.pose, here, 0.0)
             self._maps.add_free(here, self.config.body.radius_m)
@@ -176,7 +182,7 @@ class RobotAgent:
         in_force = Command() if observation.held else told
         return self._slip.observe(observation.stamp_s, observation.odometry, observation.imu, in_force)
 
-    def _decide(self, observation: Observation, slam: TagSlam) -> Decision:
+    def _decide(self, observation: Observation, slam: Slam) -> Decision:
         if observation.bumper and self._decision.linear_mps > 0.0:
             self._maps.add_obstacle(slam.local_from_base, self.config.body.radius_m, observation.scan)
         return self._explorer.decide(
@@ -188,13 +194,13 @@ class RobotAgent:
             observation.held,
         )
 
-    def _drop(self, observation: Observation, slam: TagSlam) -> bool:
+    def _drop(self, observation: Observation, slam: Slam) -> bool:
         self._dropper.magazine(observation.tags_left)
         if observation.held:
             return False
         return self._dropper.should_drop(slam.distance_m, slam.pose, self._maps.fused, slam.tag_places())
 
-    def _writes(self, sighting: TagSighting, slam: TagSlam) -> TagWrite | None:
+    def _writes(self, sighting: TagSighting, slam: Slam) -> TagWrite | None:
         """Leave in the tag what is known round it, merged with what it said.
 
         Needs a compass for its frame.
@@ -213,7 +219,7 @@ class RobotAgent:
         return None if memory == sighting.memory else TagWrite(sighting.tag_id, memory)
 
     def _report(
-        self, observation: Observation, slam: TagSlam, command: Command, slipping: bool, changed: bool
+        self, observation: Observation, slam: Slam, command: Command, slipping: bool, changed: bool
     ) -> AgentUpdate:
         here = slam.belief
         decision = self._decision

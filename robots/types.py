@@ -87,17 +87,39 @@ class RangeReading:
 
 
 @dataclass(frozen=True, slots=True)
+class NodeSensors:
+    """What an active node measures of its own place; None where it has no such sensor.
+
+    ``tilt_rad``: how far its antenna leans from upright.
+    """
+
+    temperature_c: float | None = None
+    pressure_hpa: float | None = None
+    tilt_rad: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
 class TagSighting:
     """A tag read by the robot: its id and the bytes of its memory (empty when only the id was read).
 
-    ``range_m`` and ``bearing_rad`` say where it is in the base frame: both or neither. Neither: the tag lies
-    under the antenna.
+    How far off it is: ``range_m`` as a range finder measured it, or ``rssi_dbm``, from which the radio model
+    tells the range. In which direction: ``bearing_rad`` in the base frame, which goes with a range, or
+    ``antenna``, the directional one that heard it; neither, where the radio has no direction. A sighting with
+    none of the four lies under the antenna. ``sensors`` ride along with an active node.
     """
 
     tag_id: str
     memory: bytes = b""
     range_m: float | None = None
     bearing_rad: float | None = None
+    rssi_dbm: float | None = None
+    antenna: Literal["front", "rear"] | None = None
+    sensors: NodeSensors | None = None
+
+    @property
+    def under_antenna(self) -> bool:
+        """Whether the robot stands over the tag."""
+        return self.range_m is None and self.rssi_dbm is None
 
 
 @dataclass(frozen=True, slots=True)
@@ -178,6 +200,12 @@ class GraphReport:
     ``meeting_robots`` r names of robots that were seen, ``meeting_poses`` (r,) index of the pose vertex,
     ``meeting_stamps_s`` (r,) when, ``meeting_offsets`` (r, 2) the other's base in the vertex' frame,
     ``meeting_covariances`` (r, 2, 2).
+
+    ``range_pairs`` (q, 2) pose index, tag index of tags that were seen by range; ``range_poses`` (q, 3) the
+    antenna in the vertex' frame; ``ranges_m`` (q,) as measured, ``range_sds_m`` (q,) their deviations;
+    ``bearings_rad`` (q,) from the antenna and ``bearing_sds_rad`` (q,), NaN where the radio has no direction.
+    ``range_scale`` and ``range_offsets_m`` (m,) of each tag: what was learnt of the radios so far, measured =
+    scale * true + offset.
     """
 
     poses: Array
@@ -199,6 +227,14 @@ class GraphReport:
     meeting_stamps_s: Array = field(default_factory=lambda: np.zeros(0))
     meeting_offsets: Array = field(default_factory=lambda: np.zeros((0, 2)))
     meeting_covariances: Array = field(default_factory=lambda: np.zeros((0, 2, 2)))
+    range_pairs: IntArray = field(default_factory=lambda: np.zeros((0, 2), np.int64))
+    range_poses: Array = field(default_factory=lambda: np.zeros((0, 3)))
+    ranges_m: Array = field(default_factory=lambda: np.zeros(0))
+    range_sds_m: Array = field(default_factory=lambda: np.zeros(0))
+    bearings_rad: Array = field(default_factory=lambda: np.zeros(0))
+    bearing_sds_rad: Array = field(default_factory=lambda: np.zeros(0))
+    range_scale: float = 1.0
+    range_offsets_m: Array = field(default_factory=lambda: np.zeros(0))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -7,13 +7,13 @@ laser closes the loop there precisely.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import cos, hypot, sin
 
 import numpy as np
 
 from robots.config import AgentConfig
 from robots.estimation.loop_closing import LoopCloser, Sighting
+from robots.estimation.passage import Passage
 from robots.estimation.smoothing import smooth
 from robots.estimation.tag_graph import TagGraph
 from robots.estimation.tracking import PoseTracker
@@ -21,20 +21,6 @@ from robots.se2 import Array, GaussianPose, Pose2
 from robots.types import GraphReport, ImuReading, LaserScan, Observation, RobotSighting, TagSighting
 
 _SAME_PASS_M = 0.4  # a tag read again within so much driving is the same pass
-
-
-@dataclass(frozen=True, slots=True)
-class Passage:
-    """What passing tags changed.
-
-    ``read``: tags that came under the antenna just now; ``anchored``: the graph has a new pose vertex;
-    ``moved``: the graph was solved; ``changed``: something was added to it.
-    """
-
-    read: tuple[TagSighting, ...] = ()
-    anchored: bool = False
-    moved: bool = False
-    changed: bool = False
 
 
 class TagSlam:
@@ -126,10 +112,9 @@ class TagSlam:
 
     def pass_tags(self, observation: Observation) -> Passage:
         """Restart the filter at tags, keep the displacement as an edge, close loops, solve (eq. 5)."""
-        read = tuple(
-            s for s in observation.tag_sightings if s.range_m is None and self._is_new_pass(s.tag_id)
-        )
-        seen = tuple(s for s in observation.tag_sightings if s.range_m is not None)
+        read = tuple(s for s in observation.tag_sightings if s.under_antenna and self._is_new_pass(s.tag_id))
+        # a range without a bearing says too little for a graph of places: those are for the filters
+        seen = tuple(s for s in observation.tag_sightings if s.bearing_rad is not None)
         met = observation.robot_sightings
         overdue = self.distance_m - self._anchor_driven_m > self._config.mapping.submap_travel_m
         anchored = bool(read) or overdue or self._tracker.lost or (bool(seen or met) and self._has_moved())

@@ -20,6 +20,7 @@ from robots.types import (
     HeatReading,
     ImuReading,
     LaserScan,
+    NodeSensors,
     Observation,
     Odometry,
     RangeReading,
@@ -125,14 +126,23 @@ def _text(data: bytes) -> str:
 
 def _tag_to_wire(sighting: TagSighting) -> Json:
     wire: Json = {"tag_id": sighting.tag_id, "memory": _text(sighting.memory)}
-    if sighting.range_m is not None:
-        wire |= {"range_m": sighting.range_m, "bearing_rad": sighting.bearing_rad}
+    for name in ("range_m", "bearing_rad", "rssi_dbm", "antenna"):
+        if (value := getattr(sighting, name)) is not None:
+            wire[name] = value
+    if sighting.sensors is not None:
+        wire["sensors"] = _fields(sighting.sensors)
     return wire
 
 
 def _tag_from_wire(wire: Json) -> TagSighting:
     return TagSighting(
-        wire["tag_id"], base64.b64decode(wire["memory"]), wire.get("range_m"), wire.get("bearing_rad")
+        tag_id=wire["tag_id"],
+        memory=base64.b64decode(wire["memory"]),
+        range_m=wire.get("range_m"),
+        bearing_rad=wire.get("bearing_rad"),
+        rssi_dbm=wire.get("rssi_dbm"),
+        antenna=wire.get("antenna"),
+        sensors=NodeSensors(**wire["sensors"]) if "sensors" in wire else None,
     )
 
 

@@ -4,6 +4,8 @@ A window of 27 x 27 cells of 1 m, centred on the tag, rows to the north (x of th
 (y): the frame of the writer's compass. A cell only grows: unknown < covered with an open frontier < covered
 and closed. Merging takes the maximum, so it is commutative, associative and idempotent, and no order of
 visits loses anything. 186 bytes: it fits a 2,048-bit tag beside its link.
+
+Behind the window may stand maps of tags that robots left (``map_memory``), where the tag has the room.
 """
 
 from __future__ import annotations
@@ -16,11 +18,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robots.planning.plan_grid import FREE, UNKNOWN, PlanGrid
+from robots.tags.map_memory import WriterMap, merge_maps, pack_maps, unpack_maps
 
 SIDE = 27
 CELL_M = 1.0
 UNSEEN, OPEN, CLOSED = 0, 1, 2
-_VERSION = 1
+_VERSION, _WITH_MAPS = 1, 2
+MAX_BYTES = 1 << 20
 _BYTES = 1 + 2 + (SIDE * SIDE * 2 + 7) // 8
 _KNOWN_SHARE = 0.5
 
@@ -31,9 +35,10 @@ class TagMemoryError(ValueError):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TagMemory:
-    """Coverage round a tag: ``cells`` uint8 (27, 27) of UNSEEN, OPEN, CLOSED."""
+    """Coverage round a tag: ``cells`` uint8 (27, 27) of UNSEEN, OPEN, CLOSED; ``maps`` that robots left."""
 
     cells: NDArray[np.uint8]
+    maps: tuple[WriterMap, ...] = ()
 
     @classmethod
     def empty(cls) -> TagMemory:
@@ -42,21 +47,28 @@ class TagMemory:
 
     def merge(self, other: TagMemory) -> TagMemory:
         """Return all that both know."""
-        return TagMemory(np.maximum(self.cells, other.cells))
+        return TagMemory(np.maximum(self.cells, other.cells), merge_maps(self.maps, other.maps))
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, TagMemory) and bool((self.cells == other.cells).all())
+        same = isinstance(other, TagMemory) and bool((self.cells == other.cells).all())
+        return same and isinstance(other, TagMemory) and self.maps == other.maps
 
     def __hash__(self) -> int:
-        return hash(self.cells.tobytes())
+        return hash((self.cells.tobytes(), self.maps))
 
 
 def encode_memory(memory: TagMemory) -> bytes:
-    """Return the 186 bytes of a memory: version, checksum, two bits a cell."""
+    """Return a memory's bytes: version, checksum, two bits a cell (186 in all), then the maps if any.
+
+    Raises:
+        ValueError: the maps are too large.
+    """
     bits = np.unpackbits(memory.cells.reshape(-1, 1), axis=1)[:, 6:].ravel()
     body = np.packbits(bits).tobytes()
+    if memory.maps:
+        body += pack_maps(memory.maps)
     check = zlib.crc32(body) & 0xFFFF
-    return bytes([_VERSION]) + check.to_bytes(2, "big") + body
+    return bytes([_WITH_MAPS if memory.maps else _VERSION]) + check.to_bytes(2, "big") + body
 
 
 def decode_memory(data: bytes) -> TagMemory:
@@ -67,9 +79,11 @@ def decode_memory(data: bytes) -> TagMemory:
     """
     if not data:
         return TagMemory.empty()
-    if len(data) != _BYTES or data[0] != _VERSION:
+    fits = len(data) == _BYTES if data[0] == _VERSION else _BYTES < len(data) <= MAX_BYTES
+    if data[0] not in (_VERSION, _WITH_MAPS) or not fits:
         raise TagMemoryError(
-            f"a tag memory has {_BYTES} bytes and begins with {_VERSION}; this one has {len(data)}"
+            f"a tag memory has {_BYTES} bytes and begins with {_VERSION}, or is longer, holds maps and begins"
+            f" with {_WITH_MAPS}; this one has {len(data)}"
         )
     body = data[3:]
     if zlib.crc32(body) & 0xFFFF != int.from_bytes(data[1:3], "big"):
@@ -78,7 +92,10 @@ def decode_memory(data: bytes) -> TagMemory:
     cells = (bits[:, 0] * 2 + bits[:, 1]).astype(np.uint8).reshape(SIDE, SIDE)
     if cells.max() > CLOSED:
         raise TagMemoryError("the tag memory is damaged: a cell has a state that does not exist")
-    return TagMemory(cells)
+    try:
+        return TagMemory(cells, unpack_maps(body[_BYTES - 3 :]) if len(data) > _BYTES else ())
+    except ValueError as error:
+        raise TagMemoryError(f"the tag memory is damaged: {error}") from error
 
 
 def merge_bytes(first: bytes, second: bytes) -> bytes:

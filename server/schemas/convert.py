@@ -16,6 +16,7 @@ from robots.types import (
     HeatReading,
     ImuReading,
     LaserScan,
+    NodeSensors,
     Observation,
     Odometry,
     RangeReading,
@@ -30,6 +31,7 @@ from server.schemas.observations import (
     ImuWire,
     ObservationIn,
     ScanWire,
+    TagSightingWire,
     WheelsWire,
 )
 
@@ -46,12 +48,7 @@ def observation_from_wire(wire: ObservationIn) -> Observation:
             RangeReading(beam.kind, beam.bearing_rad, beam.range_m, beam.range_max_m, beam.cone_rad)
             for beam in wire.beams
         ),
-        tag_sightings=tuple(
-            TagSighting(
-                sighting.tag_id, base64.b64decode(sighting.memory), sighting.range_m, sighting.bearing_rad
-            )
-            for sighting in wire.tag_sightings
-        ),
+        tag_sightings=tuple(_tag(sighting) for sighting in wire.tag_sightings),
         robot_sightings=tuple(
             RobotSighting(sighting.robot_id, sighting.range_m, sighting.bearing_rad)
             for sighting in wire.robot_sightings
@@ -101,6 +98,21 @@ def _odometry(wire: ObservationIn) -> Odometry | None:
     if isinstance(odometry, DistanceTurnWire):
         return DistanceTurn(odometry.distance_m, odometry.turn_rad)
     return Displacement(odometry.dx_m, odometry.dy_m, odometry.dtheta_rad)
+
+
+def _tag(wire: TagSightingWire) -> TagSighting:
+    sensors = wire.sensors
+    return TagSighting(
+        tag_id=wire.tag_id,
+        memory=base64.b64decode(wire.memory),
+        range_m=wire.range_m,
+        bearing_rad=wire.bearing_rad,
+        rssi_dbm=wire.rssi_dbm,
+        antenna=wire.antenna,
+        sensors=None
+        if sensors is None
+        else NodeSensors(sensors.temperature_c, sensors.pressure_hpa, sensors.tilt_rad),
+    )
 
 
 def _imu(wire: ImuWire) -> ImuReading:

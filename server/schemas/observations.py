@@ -14,6 +14,7 @@ MAX_BEAMS = 4_096
 
 Step = Annotated[float, Field(ge=-1000.0, le=1000.0)]
 Range = Annotated[float, Field(ge=0.0, le=10_000.0)]
+Signal = Annotated[float, Field(ge=-200.0, le=100.0)]
 SightingRange = Annotated[float, Field(ge=0.0, le=1000.0)]
 
 EXAMPLE_BATCH: JsonDict = {
@@ -52,7 +53,10 @@ EXAMPLE_BATCH: JsonDict = {
             "beams": [
                 {"kind": "sonar", "bearing_rad": 0.0, "range_m": 1.2, "range_max_m": 3.0, "cone_rad": 0.5}
             ],
-            "tag_sightings": [{"tag_id": "A5", "range_m": 3.1, "bearing_rad": -0.4}],
+            "tag_sightings": [
+                {"tag_id": "A5", "range_m": 3.1, "bearing_rad": -0.4},
+                {"tag_id": "N7", "rssi_dbm": -41.5, "sensors": {"temperature_c": 38.0, "tilt_rad": 0.1}},
+            ],
             "robot_sightings": [{"robot_id": "r2", "range_m": 4.2, "bearing_rad": 0.7}],
         },
     ]
@@ -115,8 +119,16 @@ class BeamWire(Wire):
     cone_rad: float = Field(ge=0.0, le=7.0)
 
 
+class NodeSensorsWire(Wire):
+    """What an active node measures of its own place."""
+
+    temperature_c: float | None = Field(None, ge=-273.15, le=2000.0)
+    pressure_hpa: float | None = Field(None, ge=0.0, le=20_000.0)
+    tilt_rad: Radians | None = Field(None, description="How far its antenna leans from upright.")
+
+
 class TagSightingWire(Wire):
-    """A tag that was read."""
+    """A tag that was read: under the antenna, or from afar by its range or its signal."""
 
     tag_id: Name
     memory: Base64 = Field("", description="Its memory in base64; empty when only the id was read.")
@@ -124,11 +136,16 @@ class TagSightingWire(Wire):
         None, description="From the base; left out, with the bearing, for a tag under the antenna."
     )
     bearing_rad: Radians | None = Field(None, description="In the base frame, counter-clockwise from ahead.")
+    rssi_dbm: Signal | None = Field(None, description="Signal strength, where the reader has no range.")
+    antenna: Literal["front", "rear"] | None = Field(None, description="The directional one that heard it.")
+    sensors: NodeSensorsWire | None = Field(None, description="Readings of an active node.")
 
     @model_validator(mode="after")
-    def _both_or_neither(self) -> Self:
-        if (self.range_m is None) != (self.bearing_rad is None):
-            raise ValueError("range_m and bearing_rad have to be given together")
+    def _direction_needs_a_range(self) -> Self:
+        if self.bearing_rad is not None and self.range_m is None:
+            raise ValueError("bearing_rad needs range_m; give both")
+        if self.antenna is not None and self.range_m is None and self.rssi_dbm is None:
+            raise ValueError("antenna needs range_m or rssi_dbm; a tag under the reader has none of them")
         return self
 
 

@@ -189,9 +189,17 @@ BAD: dict[str, tuple[Observation, str]] = {
         Observation(41, 10.0, GOOD, robot_sightings=(RobotSighting("r2", 1.0, nan),)),
         "a sighting holds a value that is not finite",
     ),
-    "half a place": (
-        Observation(41, 10.0, GOOD, tag_sightings=(TagSighting("A", b"", 1.0),)),
-        "sighting of A has to have range and bearing or none",
+    "a bearing alone": (
+        Observation(41, 10.0, GOOD, tag_sightings=(TagSighting("A", b"", None, 1.0),)),
+        "sighting of A has a bearing without a range",
+    ),
+    "an antenna alone": (
+        Observation(41, 10.0, GOOD, tag_sightings=(TagSighting("A", antenna="rear"),)),
+        "sighting of A names an antenna without a range or rssi",
+    ),
+    "a signal that is none": (
+        Observation(41, 10.0, GOOD, tag_sightings=(TagSighting("A", rssi_dbm=float("nan")),)),
+        "a sighting holds a value that is not finite",
     ),
 }
 

@@ -10,9 +10,10 @@ import pytest
 
 from robots.config import AgentConfig, LoopConfig
 from robots.estimation.loop_closing import LoopCloser, Sighting
+from robots.estimation.passage import Passage
 from robots.estimation.scan_points import scan_points
 from robots.estimation.smoothing import smooth
-from robots.estimation.tag_slam import Passage, TagSlam
+from robots.estimation.tag_slam import TagSlam
 from robots.se2 import GaussianPose, Pose2
 from robots.types import DistanceTurn, LaserScan, Observation, TagSighting
 

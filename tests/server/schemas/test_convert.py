@@ -6,13 +6,19 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from robots.sim.wire import observation_to_wire
-from robots.types import HeatReading, Observation, RangeReading, RobotSighting, TagSighting
+from robots.types import HeatReading, NodeSensors, Observation, RangeReading, RobotSighting, TagSighting
 from server.schemas.convert import observation_from_wire
 from server.schemas.observations import ObservationIn
 
 names = st.from_regex(r"[A-Za-z0-9][A-Za-z0-9._:~-]{0,20}", fullmatch=True)
 ranges, bearings = st.floats(0.0, 1000.0), st.floats(-1e4, 1e4)
-places = st.one_of(st.just((None, None)), st.tuples(ranges, bearings))
+signals, antennas = st.floats(-200.0, 100.0), st.sampled_from([None, "front", "rear"])
+places = st.one_of(
+    st.just((None, None)),
+    st.tuples(ranges, bearings),
+    st.tuples(ranges, st.none(), st.none(), antennas),
+    st.tuples(st.none(), st.none(), signals, antennas, st.builds(NodeSensors, signals, ranges, bearings)),
+)
 tags = st.builds(lambda name, memory, place: TagSighting(name, memory, *place), names, st.binary(), places)
 observations = st.builds(
     Observation,

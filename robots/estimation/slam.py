@@ -1,0 +1,76 @@
+"""What an agent asks of SLAM, whichever kind of tag it is made for, and the choice between the kinds."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from robots.config import AgentConfig
+from robots.estimation.passage import Passage
+from robots.estimation.tag_slam import TagSlam
+from robots.se2 import GaussianPose, Pose2
+from robots.types import GraphReport, ImuReading, LaserScan, Observation
+
+
+class Slam(Protocol):
+    """Pose, anchors and tags of one robot in its map frame, and in the tracker's frame, which never jumps.
+
+    The map frame begins at the robot's start; with an inertial unit its x axis points north.
+    """
+
+    @property
+    def distance_m(self) -> float:
+        """Way driven so far."""
+
+    @property
+    def local_from_base(self) -> Pose2:
+        """Pose in the tracker's frame."""
+
+    @property
+    def anchor(self) -> int:
+        """The newest pose vertex."""
+
+    @property
+    def anchor_from_base(self) -> GaussianPose:
+        """Pose since the newest anchor."""
+
+    @property
+    def pose(self) -> Pose2:
+        """Pose in the map frame."""
+
+    @property
+    def belief(self) -> GaussianPose:
+        """Pose in the map frame with its covariance."""
+
+    @property
+    def anchors(self) -> list[Pose2]:
+        """All pose vertices in the map frame."""
+
+    def tag_place(self, tag_id: str) -> tuple[float, float]:
+        """Return where a tag is in the map frame.
+
+        Raises:
+            KeyError: it is not known where.
+        """
+
+    def tag_places(self) -> list[tuple[float, float]]:
+        """Return where the tags are whose place is known, in the map frame."""
+
+    def predict(self, observation: Observation, moved: bool, slipping: bool) -> None:
+        """Move by wheels and inertial unit; without ``moved`` the wheels do not count."""
+
+    def match(self, scan: LaserScan) -> None:
+        """Fuse the scan matcher's pose."""
+
+    def pass_tags(self, observation: Observation) -> Passage:
+        """Take in what was read of tags, and their memories."""
+
+    def report(self) -> GraphReport:
+        """Return the graph as it leaves the process."""
+
+    def smoothed(self) -> GraphReport:
+        """Return the graph as a batch solve of all that was recorded has it; nothing changes here."""
+
+
+def begin_slam(robot_id: str, config: AgentConfig, stamp_s: float, imu: ImuReading | None) -> Slam:
+    """Begin the map of a robot at its first observation, in the way the configuration asks for."""
+    return TagSlam(config, stamp_s, imu)

@@ -1,0 +1,121 @@
+"""Maps that robots leave in tags: M_k <- M_k + <j, b_j, Sigma_b_j, R> (Sun 2009 eq. 10).
+
+A map belongs to its writer R and is written whole: positions in R's own map frame, from R's own measurements
+alone. The newest of each writer stays, so merging is commutative, associative and idempotent, and reading one
+memory again, or in a tag that took it from a third robot, brings nothing new to be counted twice.
+"""
+
+from __future__ import annotations
+
+import struct
+from dataclasses import dataclass
+from math import isfinite
+
+MAX_WRITERS, MAX_BELIEFS = 100, 2000
+_WRITER, _BELIEF = struct.Struct(">IH"), struct.Struct(">5f")
+
+
+@dataclass(frozen=True, slots=True)
+class TagBelief:
+    """Where a robot believes a tag: metres and square metres, in its map frame."""
+
+    tag_id: str
+    x_m: float
+    y_m: float
+    variance_x: float
+    covariance_xy: float
+    variance_y: float
+
+
+@dataclass(frozen=True, slots=True)
+class WriterMap:
+    """The tags one robot has mapped; a later map of the same robot has a greater ``revision``."""
+
+    writer: str
+    revision: int
+    beliefs: tuple[TagBelief, ...]
+
+
+def merge_maps(first: tuple[WriterMap, ...], second: tuple[WriterMap, ...]) -> tuple[WriterMap, ...]:
+    """Return the newest map of each writer, in the order of their names; the first 100 of more."""
+    newest: dict[str, WriterMap] = {}
+    for each in (*first, *second):
+        known = newest.get(each.writer)
+        if known is None or _age(each) > _age(known):
+            newest[each.writer] = each
+    return tuple(newest[writer] for writer in sorted(newest)[:MAX_WRITERS])
+
+
+def pack_maps(maps: tuple[WriterMap, ...]) -> bytes:
+    """Return the maps as bytes: 20 and its id for each tag.
+
+    Raises:
+        ValueError: a map is too large or a number is not finite.
+    """
+    if len(maps) > MAX_WRITERS or any(len(each.beliefs) > MAX_BELIEFS for each in maps):
+        raise ValueError(f"a memory holds maps of {MAX_WRITERS} robots with {MAX_BELIEFS} tags each")
+    parts = [bytes([len(maps)])]
+    for each in maps:
+        parts += [_packed(each.writer), _WRITER.pack(each.revision, len(each.beliefs))]
+        for belief in each.beliefs:
+            numbers = _numbers(belief)
+            if not all(map(isfinite, numbers)):
+                raise ValueError(f"the place of tag {belief.tag_id} is not finite")
+            parts += [_packed(belief.tag_id), _BELIEF.pack(*numbers)]
+    return b"".join(parts)
+
+
+def unpack_maps(data: bytes) -> tuple[WriterMap, ...]:
+    """Return the maps that ``pack_maps`` wrote.
+
+    Raises:
+        ValueError: the bytes are something else, or a number in them is not finite.
+    """
+    try:
+        return _unpack(data)
+    except (struct.error, IndexError, UnicodeDecodeError) as error:
+        raise ValueError("the maps in it are cut off or damaged") from error
+
+
+def _unpack(data: bytes) -> tuple[WriterMap, ...]:
+    at, maps = 1, []
+    for _ in range(data[0]):
+        writer, at = _unpacked(data, at)
+        revision, count = _WRITER.unpack_from(data, at)
+        at += _WRITER.size
+        if count > MAX_BELIEFS:
+            raise ValueError(f"a map in it has {count} tags, more than {MAX_BELIEFS}")
+        beliefs = []
+        for _ in range(count):
+            tag_id, at = _unpacked(data, at)
+            numbers = _BELIEF.unpack_from(data, at)
+            at += _BELIEF.size
+            if not all(map(isfinite, numbers)):
+                raise ValueError("a place in it is not finite")
+            beliefs.append(TagBelief(tag_id, *numbers))
+        maps.append(WriterMap(writer, revision, tuple(beliefs)))
+    if at != len(data) or len({each.writer for each in maps}) != len(maps) or len(maps) > MAX_WRITERS:
+        raise ValueError("the maps in it are cut off or damaged")
+    return merge_maps(tuple(maps), ())
+
+
+def _numbers(belief: TagBelief) -> tuple[float, ...]:
+    return (belief.x_m, belief.y_m, belief.variance_x, belief.covariance_xy, belief.variance_y)
+
+
+def _age(each: WriterMap) -> tuple[int, bytes]:
+    return each.revision, pack_maps((each,))  # a tie is settled alike everywhere
+
+
+def _packed(text: str) -> bytes:
+    data = text.encode()
+    if len(data) > 255:
+        raise ValueError(f"the name {text[:20]}... is longer than 255 bytes")
+    return bytes([len(data)]) + data
+
+
+def _unpacked(data: bytes, at: int) -> tuple[str, int]:
+    end = at + 1 + data[at]
+    if end > len(data):
+        raise IndexError
+    return data[at + 1 : end].decode(), end
