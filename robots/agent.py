@@ -22,7 +22,8 @@ from robots.mapping.map_keeper import MapKeeper
 from robots.planning.plan_grid import plan_grid
 from robots.snapshot import freeze, thaw
 from robots.tags.deployment import TagDropper
-from robots.tags.memory import TagMemoryError, decode_memory, encode_memory, observed_memory
+from robots.tags.map_memory import MAX_BELIEFS, WriterMap
+from robots.tags.memory import TagMemory, TagMemoryError, decode_memory, encode_memory, observed_memory
 from robots.types import AgentUpdate, Command, Observation, RobotSighting, TagSighting, TagWrite
 from robots.victims import VictimTracker
 
@@ -201,22 +202,32 @@ class RobotAgent:
         return self._dropper.should_drop(slam.distance_m, slam.pose, self._maps.fused, slam.tag_places())
 
     def _writes(self, sighting: TagSighting, slam: Slam) -> TagWrite | None:
-        """Leave in the tag what is known round it, merged with what it said.
-
-        Needs a compass for its frame.
-        """
-        if self._last is None or self._last.imu is None:
-            return None
-        grid = plan_grid(
-            self._maps.fused, self.config.body, self.config.planning, self.config.mapping, np.zeros((0, 3))
-        )
-        x, y = slam.tag_place(sighting.tag_id)
+        """Leave in the tag what is known round it, and where the others are, merged with what it said."""
         try:
             said = decode_memory(sighting.memory)
         except TagMemoryError:
             return None  # a stranger's or a damaged memory is left as it is
-        memory = encode_memory(said.merge(observed_memory(grid, x, y)))
-        return None if memory == sighting.memory else TagWrite(sighting.tag_id, memory)
+        mine = TagMemory(self._coverage(sighting.tag_id, slam).cells, self._map_to_leave(slam))
+        memory = encode_memory(said.merge(mine))
+        return None if decode_memory(memory) == said else TagWrite(sighting.tag_id, memory)
+
+    def _coverage(self, tag_id: str, slam: Slam) -> TagMemory:
+        """Return what is known of the ground round a tag; its frame needs a compass."""
+        if self._last is None or self._last.imu is None:
+            return TagMemory.empty()
+        try:
+            x, y = slam.tag_place(tag_id)
+        except KeyError:
+            return TagMemory.empty()
+        config = self.config
+        grid = plan_grid(self._maps.fused, config.body, config.planning, config.mapping, np.zeros((0, 3)))
+        return observed_memory(grid, x, y)
+
+    def _map_to_leave(self, slam: Slam) -> tuple[WriterMap, ...]:
+        if not self.config.map_memory or self._last is None:
+            return ()
+        beliefs = slam.own_map()[:MAX_BELIEFS]
+        return (WriterMap(self.robot_id, self._last.seq, beliefs),) if beliefs else ()
 
     def _report(
         self, observation: Observation, slam: Slam, command: Command, slipping: bool, changed: bool
@@ -242,6 +253,7 @@ class RobotAgent:
             slipping=slipping,
             graph=slam.report() if changed or self._update is None else None,
             submaps=self._maps.take_reports(observation.stamp_s),
+            doubts=slam.take_doubts(),
         )
 
 

@@ -282,7 +282,8 @@ class AgentUpdate:
 
     ``pose`` and ``covariance`` (3, 3) in the map frame; ``anchor_from_base`` in the frame of pose vertex
     ``anchor``, ``anchor_from_base_covariance`` (3, 3) of it alone; ``goal_m`` and ``path_m`` (n, 2) in the
-    map frame. ``graph``, ``submaps`` and ``victims`` are given when they changed.
+    map frame. ``graph``, ``submaps`` and ``victims`` are given when they changed. ``doubts`` say
+    once each what is wrong with tags, ranges or maps.
     """
 
     seq: int
@@ -304,3 +305,4 @@ class AgentUpdate:
     submaps: tuple[SubmapReport, ...] = ()
     victims: tuple[VictimEstimate, ...] = ()
     anchor_from_base_covariance: Array | None = None
+    doubts: tuple[str, ...] = ()

@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Protocol
 
 from robots.config import AgentConfig
+from robots.estimation.filter_slam import FilterSlam
 from robots.estimation.passage import Passage
+from robots.estimation.tag_filter import TagFilter
 from robots.estimation.tag_slam import TagSlam
 from robots.se2 import GaussianPose, Pose2
+from robots.tags.map_memory import TagBelief
 from robots.types import GraphReport, ImuReading, LaserScan, Observation
+
+FILTERS: dict[str, Callable[[str, AgentConfig, Pose2], TagFilter]] = {}  # robot, configuration, start
 
 
 class Slam(Protocol):
@@ -55,6 +61,12 @@ class Slam(Protocol):
     def tag_places(self) -> list[tuple[float, float]]:
         """Return where the tags are whose place is known, in the map frame."""
 
+    def own_map(self) -> tuple[TagBelief, ...]:
+        """Return the tags as this robot's own measurements have them, to be left in memories."""
+
+    def take_doubts(self) -> tuple[str, ...]:
+        """Return, once, what is wrong with tags, ranges and maps, each in a sentence for the operator."""
+
     def predict(self, observation: Observation, moved: bool, slipping: bool) -> None:
         """Move by wheels and inertial unit; without ``moved`` the wheels do not count."""
 
@@ -73,4 +85,7 @@ class Slam(Protocol):
 
 def begin_slam(robot_id: str, config: AgentConfig, stamp_s: float, imu: ImuReading | None) -> Slam:
     """Begin the map of a robot at its first observation, in the way the configuration asks for."""
-    return TagSlam(config, stamp_s, imu)
+    make_filter = FILTERS.get(config.slam)
+    if make_filter is None:
+        return TagSlam(config, stamp_s, imu)
+    return FilterSlam(robot_id, config, stamp_s, imu, make_filter)

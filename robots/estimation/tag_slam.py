@@ -7,20 +7,20 @@ laser closes the loop there precisely.
 
 from __future__ import annotations
 
-from math import cos, hypot, sin
+from math import hypot
 
 import numpy as np
 
 from robots.config import AgentConfig
 from robots.estimation.loop_closing import LoopCloser, Sighting
-from robots.estimation.passage import Passage
+from robots.estimation.passage import SAME_PASS_M, Passage
+from robots.estimation.ranging import seen_from_anchor
 from robots.estimation.smoothing import smooth
 from robots.estimation.tag_graph import TagGraph
 from robots.estimation.tracking import PoseTracker
 from robots.se2 import Array, GaussianPose, Pose2
-from robots.types import GraphReport, ImuReading, LaserScan, Observation, RobotSighting, TagSighting
-
-_SAME_PASS_M = 0.4  # a tag read again within so much driving is the same pass
+from robots.tags.map_memory import TagBelief
+from robots.types import GraphReport, ImuReading, LaserScan, Observation
 
 
 class TagSlam:
@@ -87,6 +87,14 @@ class TagSlam:
         """Return where all tags are in the map frame."""
         return [place for _, place in self._graph.tags.values()]
 
+    def own_map(self) -> tuple[TagBelief, ...]:
+        """Return nothing: a tag graph leaves no map in the tags."""
+        return ()
+
+    def take_doubts(self) -> tuple[str, ...]:
+        """Return nothing: the team finds what is wrong with a tag."""
+        return ()
+
     def report(self) -> GraphReport:
         """Return the graph as it leaves the process."""
         return self._graph.report()
@@ -125,9 +133,12 @@ class TagSlam:
             known |= self._see(sighting.tag_id, (self._config.antenna.ahead_m, 0.0), self._antenna_spread)
             self._last_read = (sighting.tag_id, self.distance_m)
         for sighting in seen:
-            known |= self._see(sighting.tag_id, *self._from_afar(sighting))
+            known |= self._see(
+                sighting.tag_id, *seen_from_anchor(sighting, self.anchor_from_base, self._config)
+            )
         for robot in met:
-            self._graph.add_meeting(robot.robot_id, observation.stamp_s, *self._from_afar(robot))
+            place = seen_from_anchor(robot, self.anchor_from_base, self._config)
+            self._graph.add_meeting(robot.robot_id, observation.stamp_s, *place)
         closed = self._close_loop()
         solving = (known or closed) and self._config.poses == "slam" and self._config.slam == "tag-graph"
         if solving:
@@ -145,7 +156,7 @@ class TagSlam:
 
     def _is_new_pass(self, tag_id: str) -> bool:
         last = self._last_read
-        return last is None or last[0] != tag_id or self.distance_m - last[1] > _SAME_PASS_M
+        return last is None or last[0] != tag_id or self.distance_m - last[1] > SAME_PASS_M
 
     def _has_moved(self) -> bool:
         here, ranging = self.anchor_from_base.mean, self._config.ranging
@@ -165,18 +176,6 @@ class TagSlam:
             tag = self._graph.tags[tag_id][0]
             self._loops.sighted(Sighting(self.anchor, tag, place_m, covariance, self.distance_m))
         return news
-
-    def _from_afar(self, seen: TagSighting | RobotSighting) -> tuple[tuple[float, float], Array]:
-        """Return what was seen by range and bearing as a place in the newest anchor's frame."""
-        range_m, bearing = seen.range_m or 0.0, seen.bearing_rad or 0.0
-        x, y = range_m * cos(bearing), range_m * sin(bearing)
-        here = self.anchor_from_base
-        c, s = cos(here.mean.theta), sin(here.mean.theta)
-        turned = np.array([[c, -s], [s, c]])
-        by_pose = np.array([[1.0, 0.0, -s * x - c * y], [0.0, 1.0, c * x - s * y]])
-        spread = turned @ np.array(self._config.ranging.covariance(range_m, bearing)) @ turned.T
-        spread += by_pose @ here.covariance @ by_pose.T
-        return here.mean.transform_point(x, y), (spread + spread.T) / 2.0
 
     def _close_loop(self) -> bool:
         if not self._closes_loops:

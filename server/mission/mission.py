@@ -196,6 +196,8 @@ class Mission:
             await self._save(robot, made)
             self.roster.publish([robot])
             await self._tell_activity(robot, before)
+            for text in dict.fromkeys(doubt for update in made for doubt in update.doubts):
+                await self.events.tell("tag_doubtful", f"{robot.robot_id}: {text}", robot.robot_id, "warning")
             self._recovery.snapshot_when_due(robot)
 
     def _take(self, robot: Robot, answer: Answer) -> AgentUpdate | None:

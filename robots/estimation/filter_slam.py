@@ -1,0 +1,245 @@
+"""SLAM over radio tags for one robot: a filter over pose and tags, fed by the tracker.
+
+Wheels, inertial unit and scan matching give displacements; the filter moves by them and corrects itself at
+each tag heard. Where it was is kept as anchors with the measured displacements between them: the map hangs on
+them, and a batch solve begins from them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import hypot
+
+import numpy as np
+
+from robots.config import AgentConfig
+from robots.estimation.anchor_log import AnchorLog
+from robots.estimation.passage import SAME_PASS_M, Passage
+from robots.estimation.ranging import Ranging, seen_from_anchor
+from robots.estimation.tag_filter import RangeSighting, TagFilter
+from robots.estimation.tracking import PoseTracker
+from robots.se2 import GaussianPose, Pose2, compose_jacobians
+from robots.tags.map_memory import TagBelief
+from robots.tags.memory import TagMemoryError, decode_memory
+from robots.types import GraphReport, ImuReading, LaserScan, Observation, TagSighting
+
+_WRITE_EVERY_S = 5.0  # a tag within reach is written so often
+_JUMPED_M = 0.25  # what was planned before such a correction is planned anew
+_LEAST = 1e-10  # variance of a step in any direction
+
+
+class FilterSlam:
+    """Pose, anchors and tags of one robot, in its map frame, estimated by a filter."""
+
+    def __init__(
+        self,
+        robot_id: str,
+        config: AgentConfig,
+        stamp_s: float,
+        imu: ImuReading | None,
+        make_filter: Callable[[str, AgentConfig, Pose2], TagFilter],
+    ) -> None:
+        self._robot_id = robot_id
+        self._config = config
+        yaw = None if imu is None else imu.yaw_rad
+        start = Pose2(0.0, 0.0, yaw or 0.0)
+        self._tracker = PoseTracker(config, start.theta)
+        self._filter = make_filter(robot_id, config, start)
+        self._log = AnchorLog(stamp_s, yaw)
+        self._ranging = Ranging(config)
+        self._taken = GaussianPose.exact()  # the tracker's pose since the anchor that the filter has
+        self._anchors: list[Pose2] = [start]
+        self._anchor_driven_m = 0.0
+        self._moved_m = 0.0  # by which corrections moved the robot since its plans were made
+        self._last_passed: tuple[str, float] | None = None  # id, way driven when it was under the antenna
+        self._memories: dict[str, bytes] = {}  # last read, by tag
+        self._revisions: dict[str, int] = {}  # of other robots' maps, as far as they were taken in
+        self._written_s: dict[str, float] = {}
+
+    @property
+    def distance_m(self) -> float:
+        """Way driven so far."""
+        return self._tracker.distance_m
+
+    @property
+    def local_from_base(self) -> Pose2:
+        """Pose in the tracker's frame, which never jumps."""
+        return self._tracker.local_from_base
+
+    @property
+    def anchor(self) -> int:
+        """The newest anchor."""
+        return self._log.newest
+
+    @property
+    def anchor_from_base(self) -> GaussianPose:
+        """Pose since the newest anchor."""
+        return self._tracker.anchor_from_base
+
+    @property
+    def anchors(self) -> list[Pose2]:
+        """All anchors in the map frame."""
+        return self._anchors
+
+    @property
+    def pose(self) -> Pose2:
+        """Pose in the map frame."""
+        return self._anchors[-1] @ self._tracker.anchor_from_base.mean
+
+    @property
+    def belief(self) -> GaussianPose:
+        """Pose in the map frame with its covariance."""
+        return GaussianPose(self.pose, (self._filter.belief @ self._step()).covariance)
+
+    def tag_place(self, tag_id: str) -> tuple[float, float]:
+        """Return where a tag is in the map frame.
+
+        Raises:
+            KeyError: it is not known where.
+        """
+        return self._places()[tag_id]
+
+    def tag_places(self) -> list[tuple[float, float]]:
+        """Return where the tags are whose place is known, in the map frame."""
+        return list(self._places().values())
+
+    def own_map(self) -> tuple[TagBelief, ...]:
+        """Return the tags as this robot alone has them."""
+        return self._filter.own_map()
+
+    def take_doubts(self) -> tuple[str, ...]:
+        """Return, once, what is wrong with tags, ranges and maps."""
+        return self._filter.take_doubts()
+
+    def predict(self, observation: Observation, moved: bool, slipping: bool) -> None:
+        """Move by wheels and inertial unit; without ``moved`` the wheels do not count."""
+        odometry = observation.odometry if moved else None
+        self._tracker.predict(observation.stamp_s, odometry, observation.imu, slipping)
+
+    def match(self, scan: LaserScan) -> None:
+        """Fuse the scan matcher's pose."""
+        self._tracker.match(scan)
+
+    def pass_tags(self, observation: Observation) -> Passage:
+        """Let the filter follow and take in what was heard; keep an anchor here where one is due."""
+        afar = [s for s in observation.tag_sightings if not s.under_antenna]
+        under = [s for s in observation.tag_sightings if s.under_antenna]
+        passed = [s for s in under if self._is_new_pass(s.tag_id)]
+        met = observation.robot_sightings
+        overdue = self.distance_m - self._anchor_driven_m > self._config.mapping.submap_travel_m
+        if not (afar or under or met or overdue or self._tracker.lost):
+            return Passage()
+        self._follow(observation.imu)
+        before = self.pose
+        heard = self._hear(afar, observation.stamp_s)
+        for sighting in (*afar, *under):
+            self._read_memory(sighting)
+        anchored = overdue or self._tracker.lost or bool(passed)
+        anchored = anchored or (bool(heard or met) and self._has_moved())
+        if anchored:
+            self._add_anchor(observation)
+        self._hang()
+        self._note(observation, heard, passed)
+        self._moved_m += before.distance(self.pose)
+        moved = self._moved_m > _JUMPED_M
+        if moved:
+            self._moved_m = 0.0
+        due = tuple(s for s in (*passed, *afar) if self._may_write(s, observation.stamp_s))
+        return Passage(due, anchored, moved, anchored)
+
+    def report(self) -> GraphReport:
+        """Return the graph as it leaves the process."""
+        places = self._places()
+        offsets = {tag_id: self._filter.range_offset(tag_id) for tag_id in places}
+        return self._log.report(self._anchors, places, self._filter.range_scale, offsets)
+
+    def smoothed(self) -> GraphReport:
+        """Return the graph as a batch solve of all that was recorded has it; nothing changes here."""
+        return self.report()
+
+    def _step(self) -> GaussianPose:
+        """Return the displacement since the filter followed last.
+
+        The tracker tells the pose since the anchor; the covariance of the last step is what that one's grew
+        by. Where a scan match made it smaller instead, the step counts as exact.
+        """
+        here = self._tracker.anchor_from_base
+        mean = self._taken.mean.between(here.mean)
+        by_pose, by_motion = compose_jacobians(self._taken.mean, mean)
+        grown = here.covariance - by_pose @ self._taken.covariance @ by_pose.T
+        back = np.linalg.inv(by_motion)
+        values, vectors = np.linalg.eigh(back @ grown @ back.T)
+        return GaussianPose(mean, (vectors * np.maximum(values, _LEAST)) @ vectors.T)
+
+    def _follow(self, imu: ImuReading | None) -> None:
+        if self._tracker.anchor_from_base is self._taken:
+            return
+        self._filter.predict(self._step())
+        self._taken = self._tracker.anchor_from_base
+        compass_sd = self._config.imu.yaw_sd_rad
+        # its error stays for minutes: it can be believed again only where the heading is known less well
+        if imu is not None and self._filter.belief.covariance[2, 2] > compass_sd**2:
+            self._filter.see_heading(imu.yaw_rad, compass_sd)
+
+    def _hear(self, afar: list[TagSighting], stamp_s: float) -> list[RangeSighting]:
+        if self._config.poses != "slam":
+            return []
+        ranged = [self._ranging.range(sighting, stamp_s) for sighting in afar]
+        heard = [sighting for sighting in ranged if sighting is not None]
+        return [sighting for sighting in heard if self._filter.see(sighting)]
+
+    def _read_memory(self, sighting: TagSighting) -> None:
+        if not self._config.map_memory or sighting.memory == self._memories.get(sighting.tag_id, b""):
+            return
+        self._memories[sighting.tag_id] = sighting.memory
+        try:
+            maps = decode_memory(sighting.memory).maps
+        except TagMemoryError:
+            return  # the server tells of it; the tag is left as it is
+        for each in maps:
+            if each.writer != self._robot_id and each.revision > self._revisions.get(each.writer, -1):
+                self._revisions[each.writer] = each.revision
+                self._filter.read_map(each)
+
+    def _add_anchor(self, observation: Observation) -> None:
+        yaw = None if observation.imu is None else observation.imu.yaw_rad
+        self._log.add_anchor(self._tracker.restart(), observation.stamp_s, yaw)
+        self._filter.anchor()
+        self._taken = self._tracker.anchor_from_base
+        self._anchor_driven_m = self.distance_m
+
+    def _hang(self) -> None:
+        """Place the anchors; what was learnt of the pose here moves the newest one."""
+        if self._log.newest >= len(self._anchors):
+            self._anchors = self._filter.anchors()
+        self._anchors[-1] = self._filter.belief.mean @ self._taken.mean.inverse()
+
+    def _note(self, observation: Observation, heard: list[RangeSighting], passed: list[TagSighting]) -> None:
+        here = self._taken
+        for ranged in heard:
+            self._log.add_range(ranged, here.mean)
+        antenna = self._config.antenna
+        for sighting in passed:
+            self._log.add_passed(sighting.tag_id, (antenna.ahead_m, 0.0), np.diag(antenna.variances))
+            self._last_passed = (sighting.tag_id, self.distance_m)
+        for robot in observation.robot_sightings:
+            place = seen_from_anchor(robot, here, self._config)
+            self._log.add_meeting(robot.robot_id, observation.stamp_s, *place)
+
+    def _is_new_pass(self, tag_id: str) -> bool:
+        last = self._last_passed
+        return last is None or last[0] != tag_id or self.distance_m - last[1] > SAME_PASS_M
+
+    def _has_moved(self) -> bool:
+        here, ranging = self._taken.mean, self._config.ranging
+        return hypot(here.x, here.y) > ranging.anchor_travel_m or abs(here.theta) > ranging.anchor_turn_rad
+
+    def _may_write(self, sighting: TagSighting, stamp_s: float) -> bool:
+        if stamp_s < self._written_s.get(sighting.tag_id, -np.inf) + _WRITE_EVERY_S:
+            return False
+        self._written_s[sighting.tag_id] = stamp_s
+        return True
+
+    def _places(self) -> dict[str, tuple[float, float]]:
+        heard = {tag_id: (belief.x_m, belief.y_m) for tag_id, belief in self._filter.tags().items()}
+        return self._log.passed_places(self._anchors) | heard
