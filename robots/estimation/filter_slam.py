@@ -8,27 +8,26 @@ them, and a batch solve begins from them.
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import hypot
 
 import numpy as np
 
 from robots.config import AgentConfig
 from robots.estimation.anchor_log import AnchorLog
-from robots.estimation.passage import SAME_PASS_M, Passage
+from robots.estimation.passage import Passage
 from robots.estimation.ranging import Ranging, seen_from_anchor
 from robots.estimation.tag_filter import RangeSighting, TagFilter
-from robots.estimation.tracking import PoseTracker
+from robots.estimation.tracked import TrackedSlam
 from robots.se2 import GaussianPose, Pose2, compose_jacobians
 from robots.tags.map_memory import TagBelief
 from robots.tags.memory import TagMemoryError, decode_memory
-from robots.types import GraphReport, ImuReading, LaserScan, Observation, TagSighting
+from robots.types import GraphReport, ImuReading, Observation, TagSighting
 
 _WRITE_EVERY_S = 5.0  # a tag within reach is written so often
 _JUMPED_M = 0.25  # what was planned before such a correction is planned anew
 _LEAST = 1e-10  # variance of a step in any direction
 
 
-class FilterSlam:
+class FilterSlam(TrackedSlam):
     """Pose, anchors and tags of one robot, in its map frame, estimated by a filter."""
 
     def __init__(
@@ -39,42 +38,22 @@ class FilterSlam:
         imu: ImuReading | None,
         make_filter: Callable[[str, AgentConfig, Pose2], TagFilter],
     ) -> None:
+        super().__init__(config, imu)
         self._robot_id = robot_id
-        self._config = config
-        yaw = None if imu is None else imu.yaw_rad
-        start = Pose2(0.0, 0.0, yaw or 0.0)
-        self._tracker = PoseTracker(config, start.theta)
-        self._filter = make_filter(robot_id, config, start)
-        self._log = AnchorLog(stamp_s, yaw)
+        self._filter = make_filter(robot_id, config, self._start)
+        self._log = AnchorLog(stamp_s, None if imu is None else imu.yaw_rad)
         self._ranging = Ranging(config)
         self._taken = GaussianPose.exact()  # the tracker's pose since the anchor that the filter has
-        self._anchors: list[Pose2] = [start]
-        self._anchor_driven_m = 0.0
+        self._anchors: list[Pose2] = [self._start]
         self._moved_m = 0.0  # by which corrections moved the robot since its plans were made
-        self._last_passed: tuple[str, float] | None = None  # id, way driven when it was under the antenna
         self._memories: dict[str, bytes] = {}  # last read, by tag
         self._revisions: dict[str, int] = {}  # of other robots' maps, as far as they were taken in
         self._written_s: dict[str, float] = {}
 
     @property
-    def distance_m(self) -> float:
-        """Way driven so far."""
-        return self._tracker.distance_m
-
-    @property
-    def local_from_base(self) -> Pose2:
-        """Pose in the tracker's frame, which never jumps."""
-        return self._tracker.local_from_base
-
-    @property
     def anchor(self) -> int:
         """The newest anchor."""
         return self._log.newest
-
-    @property
-    def anchor_from_base(self) -> GaussianPose:
-        """Pose since the newest anchor."""
-        return self._tracker.anchor_from_base
 
     @property
     def anchors(self) -> list[Pose2]:
@@ -111,31 +90,21 @@ class FilterSlam:
         """Return, once, what is wrong with tags, ranges and maps."""
         return self._filter.take_doubts()
 
-    def predict(self, observation: Observation, moved: bool, slipping: bool) -> None:
-        """Move by wheels and inertial unit; without ``moved`` the wheels do not count."""
-        odometry = observation.odometry if moved else None
-        self._tracker.predict(observation.stamp_s, odometry, observation.imu, slipping)
-
-    def match(self, scan: LaserScan) -> None:
-        """Fuse the scan matcher's pose."""
-        self._tracker.match(scan)
-
     def pass_tags(self, observation: Observation) -> Passage:
         """Let the filter follow and take in what was heard; keep an anchor here where one is due."""
         afar = [s for s in observation.tag_sightings if not s.under_antenna]
         under = [s for s in observation.tag_sightings if s.under_antenna]
         passed = [s for s in under if self._is_new_pass(s.tag_id)]
         met = observation.robot_sightings
-        overdue = self.distance_m - self._anchor_driven_m > self._config.mapping.submap_travel_m
-        if not (afar or under or met or overdue or self._tracker.lost):
+        overdue = self._anchor_is_overdue
+        if not (afar or under or met or overdue):
             return Passage()
         self._follow(observation.imu)
         before = self.pose
         heard = self._hear(afar, observation.stamp_s)
         for sighting in (*afar, *under):
             self._read_memory(sighting)
-        anchored = overdue or self._tracker.lost or bool(passed)
-        anchored = anchored or (bool(heard or met) and self._has_moved())
+        anchored = overdue or bool(passed) or (bool(heard or met) and self._has_moved())
         if anchored:
             self._add_anchor(observation)
         self._hang()
@@ -225,14 +194,6 @@ class FilterSlam:
         for robot in observation.robot_sightings:
             place = seen_from_anchor(robot, here, self._config)
             self._log.add_meeting(robot.robot_id, observation.stamp_s, *place)
-
-    def _is_new_pass(self, tag_id: str) -> bool:
-        last = self._last_passed
-        return last is None or last[0] != tag_id or self.distance_m - last[1] > SAME_PASS_M
-
-    def _has_moved(self) -> bool:
-        here, ranging = self._taken.mean, self._config.ranging
-        return hypot(here.x, here.y) > ranging.anchor_travel_m or abs(here.theta) > ranging.anchor_turn_rad
 
     def _may_write(self, sighting: TagSighting, stamp_s: float) -> bool:
         if stamp_s < self._written_s.get(sighting.tag_id, -np.inf) + _WRITE_EVERY_S:

@@ -6,8 +6,6 @@ from dataclasses import dataclass
 
 from robots.types import TagSighting
 
-SAME_PASS_M = 0.4  # a tag under the antenna again within so much driving is the same pass
-
 
 @dataclass(frozen=True, slots=True)
 class Passage:

@@ -7,58 +7,36 @@ laser closes the loop there precisely.
 
 from __future__ import annotations
 
-from math import hypot
-
 import numpy as np
 
 from robots.config import AgentConfig
 from robots.estimation.loop_closing import LoopCloser, Sighting
-from robots.estimation.passage import SAME_PASS_M, Passage
+from robots.estimation.passage import Passage
 from robots.estimation.ranging import seen_from_anchor
 from robots.estimation.smoothing import smooth
 from robots.estimation.tag_graph import TagGraph
-from robots.estimation.tracking import PoseTracker
+from robots.estimation.tracked import TrackedSlam
 from robots.se2 import Array, GaussianPose, Pose2
 from robots.tags.map_memory import TagBelief
 from robots.types import GraphReport, ImuReading, LaserScan, Observation
 
 
-class TagSlam:
+class TagSlam(TrackedSlam):
     """Pose and tag graph of one robot, in its map frame.
 
     The frame begins at the robot's start; with an inertial unit its x axis points north.
     """
 
     def __init__(self, config: AgentConfig, stamp_s: float, imu: ImuReading | None) -> None:
-        self._config = config
-        yaw = None if imu is None else imu.yaw_rad
-        start = Pose2(0.0, 0.0, yaw or 0.0)
-        self._tracker = PoseTracker(config, start.theta)
-        self._graph = TagGraph(config, start, stamp_s, yaw)
+        super().__init__(config, imu)
+        self._graph = TagGraph(config, self._start, stamp_s, None if imu is None else imu.yaw_rad)
         self._loops = LoopCloser(config.loops)
-        self._loops.anchored(0, start, 0.0)
-        self._last_read: tuple[str, float] | None = None  # id, way driven when it was read
-        self._anchor_driven_m = 0.0
-
-    @property
-    def distance_m(self) -> float:
-        """Way driven so far."""
-        return self._tracker.distance_m
-
-    @property
-    def local_from_base(self) -> Pose2:
-        """Pose in the tracker's frame, which never jumps."""
-        return self._tracker.local_from_base
+        self._loops.anchored(0, self._start, 0.0)
 
     @property
     def anchor(self) -> int:
         """The newest pose vertex."""
         return self._graph.newest
-
-    @property
-    def anchor_from_base(self) -> GaussianPose:
-        """Pose since the newest anchor."""
-        return self._tracker.anchor_from_base
 
     @property
     def pose(self) -> Pose2:
@@ -103,18 +81,9 @@ class TagSlam:
         """Return the graph as a batch solve of all that was recorded has it; nothing changes here."""
         return smooth(self._graph.report(), self._loops, self._config)
 
-    def predict(self, observation: Observation, moved: bool, slipping: bool) -> None:
-        """Move by wheels and inertial unit (eq. 1 and 2).
-
-        Without ``moved`` the wheels do not count: what was driven before the first observation is not part of
-        the map.
-        """
-        odometry = observation.odometry if moved else None
-        self._tracker.predict(observation.stamp_s, odometry, observation.imu, slipping)
-
     def match(self, scan: LaserScan) -> None:
         """Fuse the scan matcher's pose (eq. 3 and 4)."""
-        self._tracker.match(scan)
+        super().match(scan)
         if self._closes_loops and self._tracker.points is not None:
             self._loops.keep(self.local_from_base, self.distance_m, self._tracker.points)
 
@@ -124,14 +93,13 @@ class TagSlam:
         # a range without a bearing says too little for a graph of places: those are for the filters
         seen = tuple(s for s in observation.tag_sightings if s.bearing_rad is not None)
         met = observation.robot_sightings
-        overdue = self.distance_m - self._anchor_driven_m > self._config.mapping.submap_travel_m
-        anchored = bool(read) or overdue or self._tracker.lost or (bool(seen or met) and self._has_moved())
+        anchored = bool(read) or self._anchor_is_overdue or (bool(seen or met) and self._has_moved())
         if anchored:
             self._add_anchor(observation)
         known = False
         for sighting in read:
             known |= self._see(sighting.tag_id, (self._config.antenna.ahead_m, 0.0), self._antenna_spread)
-            self._last_read = (sighting.tag_id, self.distance_m)
+            self._last_passed = (sighting.tag_id, self.distance_m)
         for sighting in seen:
             known |= self._see(
                 sighting.tag_id, *seen_from_anchor(sighting, self.anchor_from_base, self._config)
@@ -153,14 +121,6 @@ class TagSlam:
     @property
     def _antenna_spread(self) -> Array:
         return np.diag(self._config.antenna.variances)
-
-    def _is_new_pass(self, tag_id: str) -> bool:
-        last = self._last_read
-        return last is None or last[0] != tag_id or self.distance_m - last[1] > SAME_PASS_M
-
-    def _has_moved(self) -> bool:
-        here, ranging = self.anchor_from_base.mean, self._config.ranging
-        return hypot(here.x, here.y) > ranging.anchor_travel_m or abs(here.theta) > ranging.anchor_turn_rad
 
     def _add_anchor(self, observation: Observation) -> None:
         yaw = None if observation.imu is None else observation.imu.yaw_rad
