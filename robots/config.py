@@ -6,12 +6,13 @@ Derived values are properties beside what they derive from.
 from __future__ import annotations
 
 from dataclasses import dataclass, field, fields, is_dataclass, replace
+from itertools import pairwise
 from math import cos, isfinite, radians, sin
 from typing import Any, Literal, TypeVar, get_args, get_origin, get_type_hints
 
 C = TypeVar("C")
 
-_SIGNED = frozenset({"ahead_m"})  # all other numbers are 0 or more
+_SIGNED = frozenset({"ahead_m", "front_ahead_m", "power_at_1m_dbm", "rear_ahead_m"})  # others are 0 or more
 _POSITIVE = frozenset(
     {
         "along_m",
@@ -26,10 +27,13 @@ _POSITIVE = frozenset(
         "max_range_m",
         "max_speed_mps",
         "max_turn_radps",
+        "path_loss_exponent",
+        "place_m",
         "point_sd_m",
         "radius_m",
         "range_sd_m",
         "reach_m",
+        "readings",
         "resolution_m",
         "spacing_m",
         "tag_kernel_sd",
@@ -38,6 +42,7 @@ _POSITIVE = frozenset(
         "window_rad",
     }
 )
+_LONGEST = 100  # of a list of numbers
 _INT8 = frozenset({"hit_logodds", "miss_logodds", "limit_logodds"})  # as they leave the process
 
 
@@ -168,6 +173,37 @@ class RangingConfig:
 
 
 @dataclass(frozen=True, slots=True)
+class RadioConfig:
+    """Tags heard by radio: log-distance path loss (Ziparo 2007 and Sun 2009 eq. 1).
+
+    The defaults are Sun's active node. The shadowing's deviation is ``shadowing_sd_db``, or, where a table is
+    given, ``table_sds_db`` at ``table_distances_m``, linear in between and constant beyond. The antennas are
+    those of a reader with two of them, front and rear; a radio without direction has one over the base.
+    """
+
+    power_at_1m_dbm: float = -12.0  # p(d0) at d0 = 1 m
+    path_loss_exponent: float = 2.0
+    shadowing_sd_db: float = 4.0  # X_sigma: of the place, the same at every reading there
+    table_distances_m: tuple[float, ...] = ()
+    table_sds_db: tuple[float, ...] = ()
+    fading_sd_db: float = 2.0  # of every reading
+    reach_m: float = 35.0
+    place_m: float = 0.5  # shadowing is another one after so much driving
+    readings: int = 10  # that make one mean
+    front_ahead_m: float = 0.2
+    rear_ahead_m: float = -0.2
+    cone_rad: float = radians(60.0)  # of a directional antenna
+
+    def __post_init__(self) -> None:
+        """Refuse a table that is none. Raises ConfigError."""
+        distances = self.table_distances_m
+        if len(distances) != len(self.table_sds_db):
+            raise ConfigError("radio.table_distances_m and radio.table_sds_db have to be of one length")
+        if any(b <= a for a, b in pairwise(distances)):
+            raise ConfigError("radio.table_distances_m has to rise")
+
+
+@dataclass(frozen=True, slots=True)
 class LoopConfig:
     """Loops closed by laser at tags that are seen again."""
 
@@ -230,6 +266,7 @@ class AgentConfig:
     mapping: MappingConfig = field(default_factory=MappingConfig)
     graph: GraphConfig = field(default_factory=GraphConfig)
     ranging: RangingConfig = field(default_factory=RangingConfig)
+    radio: RadioConfig = field(default_factory=RadioConfig)
     loops: LoopConfig = field(default_factory=LoopConfig)
     deployment: DeploymentConfig = field(default_factory=DeploymentConfig)
     victims: VictimConfig = field(default_factory=VictimConfig)
@@ -269,6 +306,10 @@ def _checked(old: Any, hint: Any, value: Any, where: str) -> Any:
         return value
     if value is None and type(None) in get_args(hint):
         return value
+    if isinstance(old, tuple):
+        if not isinstance(value, list | tuple) or len(value) > _LONGEST:
+            raise ConfigError(f"{where} has to be a list of at most {_LONGEST} numbers")
+        return tuple(_checked(0.0, float, each, where) for each in value)
     if isinstance(old, bool):
         if not isinstance(value, bool):
             raise ConfigError(f"{where} has to be true or false")
