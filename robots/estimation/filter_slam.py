@@ -153,7 +153,7 @@ class FilterSlam(TrackedSlam):
     def _hear(self, afar: list[TagSighting], stamp_s: float) -> list[RangeSighting]:
         if self._config.poses != "slam":
             return []
-        ranged = [self._ranging.range(sighting, stamp_s) for sighting in afar]
+        ranged = [self._ranging.range(sighting, stamp_s, self.distance_m) for sighting in afar]
         heard = [sighting for sighting in ranged if sighting is not None]
         return [sighting for sighting in heard if self._filter.see(sighting)]
 

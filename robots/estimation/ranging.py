@@ -2,43 +2,50 @@
 
 from __future__ import annotations
 
-from math import cos, pi, radians, sin, sqrt
+from math import cos, sin
 
 import numpy as np
 
 from robots.config import AgentConfig
+from robots.estimation.radio import RadioModel
+from robots.estimation.signal_mean import SignalAverager
 from robots.estimation.tag_filter import RangeSighting
-from robots.se2 import Array, GaussianPose, Pose2
+from robots.se2 import Array, GaussianPose
 from robots.types import RobotSighting, TagSighting
-
-_CONE_SD_RAD = radians(60.0) / sqrt(12.0)  # anywhere in the cone of a directional antenna (Ziparo 2007)
 
 
 class Ranging:
-    """Turns sightings into ranges; it remembers what it needs of earlier ones."""
+    """Turns sightings into ranges: measured ones as they are, signals by the mean of those of one place."""
 
     def __init__(self, config: AgentConfig) -> None:
-        self._config = config
+        self._ranging = config.ranging
+        self._model = RadioModel(config.radio)
+        self._signals = SignalAverager(config.radio)
 
-    def range(self, sighting: TagSighting, stamp_s: float) -> RangeSighting | None:
-        """Return the range of a sighting from afar; None where it does not tell one yet."""
-        ranging = self._config.ranging
-        if sighting.range_m is None:
+    def range(self, sighting: TagSighting, stamp_s: float, driven_m: float) -> RangeSighting | None:
+        """Return the range of a sighting from afar, made after ``driven_m`` of way; None while it tells none.
+
+        Raises:
+            ValueError: the signal is not finite.
+        """
+        direction = self._model.direction(sighting.antenna)
+        bearing, bearing_sd = direction.bearing_rad, direction.bearing_sd_rad
+        if sighting.range_m is not None:
+            range_m = sighting.range_m
+            deviation = self._ranging.range_sd_m + self._ranging.range_sd_per_m * range_m
+            if sighting.bearing_rad is not None:
+                bearing, bearing_sd = sighting.bearing_rad, self._ranging.bearing_sd_rad
+        elif sighting.rssi_dbm is not None:
+            mean = self._signals.add(sighting.tag_id, sighting.antenna, sighting.rssi_dbm, driven_m)
+            if mean is None:
+                return None
+            told = self._model.range_of(mean.rssi_dbm, mean.readings)
+            range_m, deviation = told.range_m, told.sd_m
+        else:
             return None
-        deviation = ranging.range_sd_m + ranging.range_sd_per_m * sighting.range_m
-        bearing, bearing_sd, antenna = sighting.bearing_rad, None, Pose2()
-        if sighting.antenna is not None:
-            antenna = self._antenna(sighting.antenna)
-            bearing, bearing_sd = 0.0, _CONE_SD_RAD
-        elif bearing is not None:
-            bearing_sd = ranging.bearing_sd_rad
         return RangeSighting(
-            sighting.tag_id, stamp_s, sighting.range_m, deviation, bearing, bearing_sd, antenna
+            sighting.tag_id, stamp_s, range_m, deviation, bearing, bearing_sd, direction.base_from_antenna
         )
-
-    def _antenna(self, which: str) -> Pose2:
-        ahead = self._config.antenna.ahead_m
-        return Pose2(ahead, 0.0, 0.0) if which == "front" else Pose2(-ahead, 0.0, pi)
 
 
 def seen_from_anchor(
