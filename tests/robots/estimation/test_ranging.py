@@ -19,7 +19,8 @@ def test_a_measured_range_stays_as_it_was_measured():
     assert (seen.tag_id, seen.stamp_s, seen.range_m, seen.bearing_rad) == ("A", 7.0, 3.0, 0.5)
     assert seen.range_sd_m == pytest.approx(CONFIG.ranging.range_sd_m + 3.0 * CONFIG.ranging.range_sd_per_m)
     alone = Ranging(CONFIG).range(TagSighting("A", b"", 3.0), 7.0, 0.0)
-    assert alone.bearing_rad is None and alone.bearing_sd_rad is None
+    assert alone.bearing_rad is None
+    assert alone.bearing_sd_rad is None
 
 
 def test_ten_signals_tell_a_range_and_then_the_robot_has_to_drive_on():
@@ -42,7 +43,8 @@ def test_a_directional_antenna_tells_its_side_and_no_more(antenna, heading):
         if (each := ranging.range(TagSighting("A", rssi_dbm=signal, antenna=antenna), k, 0.0)) is not None
     ]
     assert seen.base_from_antenna.theta == heading
-    assert seen.bearing_rad == 0.0 and radians(15.0) < seen.bearing_sd_rad < radians(20.0)
+    assert seen.bearing_rad == 0.0
+    assert radians(15.0) < seen.bearing_sd_rad < radians(20.0)
 
 
 def test_a_tag_under_the_antenna_has_no_range_and_a_signal_has_to_be_one():
