@@ -39,9 +39,7 @@ class Writer:
     waits loses its answer, never the write.
     """
 
-    def __init__(
-        self, engine: Engine, where: str, set_durable: Callable[[Connection, bool], None]
-    ) -> None:
+    def __init__(self, engine: Engine, where: str, set_durable: Callable[[Connection, bool], None]) -> None:
         self._engine = engine
         self._where = where
         self._set_durable = set_durable
