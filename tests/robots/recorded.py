@@ -41,7 +41,7 @@ def mission_log(imu: bool) -> tuple[Log, AgentConfig]:
 
     scenario = replace(MISSION, imu=imu)
     run(scenario, listener)
-    return tuple(listeners[0].heard), scenario.agent_for
+    return tuple(listeners[0].heard), scenario.agent_of("r1")
 
 
 def replayed(log: Sequence[Observation], config: AgentConfig, robot_id: str = "r1") -> list[AgentUpdate]:
