@@ -229,6 +229,28 @@ class DeploymentConfig:
 
 
 @dataclass(frozen=True, slots=True)
+class TagMemoryConfig:
+    """What tags remember: how much, and under which seal."""
+
+    room_bytes: int = 197  # of content in a tag of 2,048 bits, beside a link, header, checksum and seal
+    key: str = ""  # of the mission, in hexadecimal digits: memories sealed with another are not believed
+
+    def __post_init__(self) -> None:
+        """Refuse a key that is none. Raises ConfigError."""
+        try:
+            too_long = len(self.key_bytes) > 32
+        except ValueError:
+            too_long = True
+        if too_long:
+            raise ConfigError("tag_memory.key has to be at most 64 hexadecimal digits, two for each byte")
+
+    @property
+    def key_bytes(self) -> bytes:
+        """The key itself."""
+        return bytes.fromhex(self.key)
+
+
+@dataclass(frozen=True, slots=True)
 class VictimConfig:
     """Turning heat readings into victims."""
 
@@ -269,6 +291,7 @@ class AgentConfig:
     radio: RadioConfig = field(default_factory=RadioConfig)
     loops: LoopConfig = field(default_factory=LoopConfig)
     deployment: DeploymentConfig = field(default_factory=DeploymentConfig)
+    tag_memory: TagMemoryConfig = field(default_factory=TagMemoryConfig)
     victims: VictimConfig = field(default_factory=VictimConfig)
     planning: PlanningConfig = field(default_factory=PlanningConfig)
     poses: Literal["slam", "truth"] = "slam"  # "truth": odometry is exact; nothing is estimated (experiments)

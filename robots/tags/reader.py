@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from robots.tags.chip import Chip, Layout, format_chip, read_chip
-from robots.tags.record import Record, RecordError, content_bytes, newest, plan_writes, seal
+from robots.tags.record import content_bytes, halves, plan_writes
 
 
 class TagGoneError(OSError):
@@ -36,16 +36,19 @@ class TagReader(Protocol):
 
 
 @dataclass(frozen=True, slots=True)
-class TagContent:
-    """What a tag holds: link, our record (None where there is none that is whole), room for content."""
+class TagImage:
+    """What a tag holds: its link, our records, the newest first, and how much content there is room for.
+
+    ``damaged``: there is something where the newest record should be, but no record is whole.
+    """
 
     link: str | None
-    record: Record | None
-    error: str | None  # why there is no record
+    records: tuple[bytes, ...]
     room_bytes: int
+    damaged: bool
 
 
-def read_tag(reader: TagReader, tag_id: str, key: bytes) -> TagContent:
+def read_tag(reader: TagReader) -> TagImage:
     """Read a tag.
 
     Raises:
@@ -54,31 +57,24 @@ def read_tag(reader: TagReader, tag_id: str, key: bytes) -> TagContent:
     """
     memory = reader.read()
     link, layout = read_chip(memory)
+    payload = _payload(memory, layout)
+    records = tuple(record for _, record in halves(payload, reader.chip, layout))
     room = content_bytes(reader.chip, layout)
-    try:
-        record, _ = newest(_payload(memory, layout), reader.chip, layout, tag_id, key)
-    except RecordError as error:
-        return TagContent(link, None, str(error), room)
-    return TagContent(link, record, None, room)
+    return TagImage(link, records, room, not records and any(payload))
 
 
-def write_tag(reader: TagReader, tag_id: str, key: bytes, content: bytes) -> None:
-    """Write content into a formatted tag, as the next revision.
+def write_tag(reader: TagReader, record: bytes) -> None:
+    """Write a record into a formatted tag, over the older of its records where it has room for two.
 
     Raises:
         ChipError: it was never formatted.
-        TagGoneError: it left the field: it holds the old content, the new or, if small, a damaged record.
-        ValueError: the content is longer than the room for it.
+        TagGoneError: it left the field: it holds the old record, the new or, if small, a damaged one.
+        ValueError: the record is longer than the room for it.
     """
     memory = reader.read()
     _, layout = read_chip(memory)
-    try:
-        known, half = newest(_payload(memory, layout), reader.chip, layout, tag_id, key)
-        revision, over = known.revision + 1, half
-    except RecordError:
-        revision, over = 0, None
-    record = seal(content, revision, tag_id, key)
-    for at, block in plan_writes(memory, reader.chip, layout, record, over):
+    found = halves(_payload(memory, layout), reader.chip, layout)
+    for at, block in plan_writes(memory, reader.chip, layout, record, found[0][0] if found else None):
         reader.write(at, block)
 
 

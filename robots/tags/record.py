@@ -74,35 +74,51 @@ def unseal(data: bytes, tag_id: str, key: bytes) -> Record:
     end = OVERHEAD + length
     if end > len(data):
         raise RecordError("the record is cut off; read the tag again")
-    rest = data[_HEAD:end]
-    (check,) = _CHECK.unpack_from(data, _HEADER.size)
-    if crc_hqx(data[: _HEADER.size] + rest, 0xFFFF) != check:
+    if not _is_whole(data[:end]):
         raise RecordError("the record is damaged or half written: its checksum does not fit; read it again")
-    content, seal_of = rest[:-_SEAL], rest[-_SEAL:]
+    content, seal_of = data[_HEAD : end - _SEAL], data[end - _SEAL : end]
     trusted = hmac.compare_digest(_seal(content, revision, tag_id, key), seal_of)
     return Record(content, revision, trusted)
 
 
-def newest(payload: bytes, chip: Chip, layout: Layout, tag_id: str, key: bytes) -> tuple[Record, int]:
-    """Return the newest whole record in a chip's payload, and in which half it lies.
+def split(data: bytes) -> tuple[bytes, ...]:
+    """Return the whole records in bytes where one follows another; what is damaged is left out.
 
-    Raises:
-        RecordError: there is none; the message is that of the first half.
+    Nothing here needs the mission's key: whether to believe a record is for ``unseal`` to say.
     """
+    records, at = [], 0
+    while len(data) - at >= OVERHEAD:
+        version, _, length = _HEADER.unpack_from(data, at)
+        end = at + OVERHEAD + length
+        if version != VERSION or end > len(data):
+            break
+        if _is_whole(data[at:end]):
+            records.append(data[at:end])
+        at = end
+    return tuple(records)
+
+
+def revision_of(record: bytes) -> int:
+    """Return the revision of a record that ``split`` returned."""
+    return int(_HEADER.unpack_from(record)[1])
+
+
+def is_newer(revision: int, than: int) -> bool:
+    """Compare revisions, which wrap round (RFC 1982)."""
+    return 0 < (revision - than) % _REVISIONS < _REVISIONS // 2
+
+
+def halves(payload: bytes, chip: Chip, layout: Layout) -> list[tuple[int, bytes]]:
+    """Return the whole records in a chip's payload with the number of their half, the newest first."""
     size = _half(chip, layout)
-    found: list[tuple[Record, int]] = []
-    first: RecordError | None = None
+    found = []
     for half in range(layout.size // size):
-        try:
-            found.append((unseal(payload[half * size : (half + 1) * size], tag_id, key), half))
-        except RecordError as error:
-            first = first or error
-    if not found:
-        raise first or RecordError("the tag has no room for a record")
-    if len(found) == 2 and found[0][0].trusted != found[1][0].trusted:
-        return max(found, key=lambda each: each[0].trusted)
-    ahead = (found[-1][0].revision - found[0][0].revision) % _REVISIONS  # RFC 1982
-    return found[-1] if 0 < ahead < _REVISIONS // 2 else found[0]
+        whole = split(payload[half * size : (half + 1) * size])
+        if whole:
+            found.append((half, whole[0]))
+    if len(found) == 2 and not is_newer(revision_of(found[0][1]), revision_of(found[1][1])):
+        found.reverse()
+    return found
 
 
 def plan_writes(
@@ -134,6 +150,11 @@ def plan_writes(
     ]
     last_of_head = start + _HEAD - 1
     return [b for b in blocks if b[0] > last_of_head] + [b for b in blocks if b[0] <= last_of_head]
+
+
+def _is_whole(record: bytes) -> bool:
+    (check,) = _CHECK.unpack_from(record, _HEADER.size)
+    return bool(crc_hqx(record[: _HEADER.size] + record[_HEAD:], 0xFFFF) == check)
 
 
 def _half(chip: Chip, layout: Layout) -> int:
