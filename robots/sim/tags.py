@@ -89,7 +89,7 @@ class TagField:
         if tag_id in self._indices and not twin:
             raise ValueError(f"there is a tag {tag_id} already")
         self._indices.setdefault(tag_id, []).append(len(self._tags))
-        chip = None if self._chip is None else SimulatedTag(self._chip, link_of(tag_id))
+        chip = None if self._chip is None else SimulatedTag.formatted(self._chip, link_of(tag_id))
         self._tags.append(Tag(tag_id, x_m, y_m, chip))
         self._changed()
 

@@ -81,11 +81,16 @@ def write_tag(reader: TagReader, record: bytes) -> None:
 class SimulatedTag:
     """A chip in memory and a reader over it, from whose field it can be taken after some blocks."""
 
-    def __init__(self, chip: Chip, link: str) -> None:
+    def __init__(self, chip: Chip, memory: bytes) -> None:
         self._chip = chip
-        self._memory = bytearray(format_chip(chip, link)[0])
+        self._memory = bytearray(memory)
         self.blocks_left: int | None = None  # to be written before the tag is out of the field; None: stays
         self.blocks_written = 0
+
+    @classmethod
+    def formatted(cls, chip: Chip, link: str) -> SimulatedTag:
+        """Return a tag with a link and no record yet. Raises ChipError when the link leaves no room."""
+        return cls(chip, format_chip(chip, link)[0])
 
     @property
     def chip(self) -> Chip:

@@ -18,7 +18,7 @@ small_contents = st.binary(max_size=5)
 
 @given(chips, st.data())
 def test_what_is_written_is_read(chip, data):
-    tag = SimulatedTag(chip, LINK)
+    tag = SimulatedTag.formatted(chip, LINK)
     room = content_bytes(chip, format_chip(chip, LINK)[1])
     contents = data.draw(st.lists(st.binary(max_size=min(room, 300)), min_size=1, max_size=4))
     for revision, content in enumerate(contents):
@@ -31,7 +31,7 @@ def test_what_is_written_is_read(chip, data):
 
 @given(chips, small_contents, small_contents, st.integers(0, 12))
 def test_a_torn_write_never_says_what_was_not_written(chip, before, after, blocks):
-    tag = SimulatedTag(chip, LINK)
+    tag = SimulatedTag.formatted(chip, LINK)
     old, new = seal(before, 0, "A4", KEY), seal(after, 1, "A4", KEY)
     write_tag(tag, old)
     tag.blocks_left = blocks
@@ -88,7 +88,7 @@ def test_no_bytes_break_the_readers(data):
 
 @given(chips, st.data())
 def test_damage_anywhere_is_told_or_harmless(chip, data):
-    tag = SimulatedTag(chip, LINK)
+    tag = SimulatedTag.formatted(chip, LINK)
     record = seal(b"hello", 0, "A4", KEY)
     write_tag(tag, record)
     at = data.draw(st.integers(0, min(chip.user_bytes, 200) // 4 - 1)) * 4

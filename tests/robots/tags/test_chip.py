@@ -91,7 +91,7 @@ def test_a_write_touches_only_blocks_that_change_and_the_header_last():
     writes = plan_writes(memory, chip, layout, seal(b"x" * 40, 0, "A", b""), None)
     assert all(at % 4 == 0 and len(block) == 4 for at, block in writes)
     assert [at for at, _ in writes][-3:] == [36, 40, 44]  # 39..45 hold the header
-    tag = SimulatedTag(chip, LINK)
+    tag = SimulatedTag.formatted(chip, LINK)
     write_tag(tag, seal(b"x" * 150, 0, "A", b""))
     before = tag.blocks_written
     write_tag(tag, seal(b"x" * 149 + b"y", 1, "A", b""))
@@ -102,7 +102,7 @@ def test_halves_are_written_in_turn_and_the_newer_comes_first_also_when_numbers_
     chip = chip_of(4032)
     _, layout = format_chip(chip, LINK)
     for first in (1, 65_533, 65_534, 65_535):
-        tag = SimulatedTag(chip, LINK)
+        tag = SimulatedTag.formatted(chip, LINK)
         records = [seal(bytes([k]), first + k, "A", b"k") for k in range(4)]
         for k, record in enumerate(records):
             write_tag(tag, record)
@@ -112,7 +112,7 @@ def test_halves_are_written_in_turn_and_the_newer_comes_first_also_when_numbers_
 
 
 def test_what_does_not_fit_is_refused_and_changes_nothing():
-    tag = SimulatedTag(chip_of(512), LINK)
+    tag = SimulatedTag.formatted(chip_of(512), LINK)
     record = seal(b"12345", 0, "A", b"k")
     write_tag(tag, record)
     with pytest.raises(ValueError, match=f"has {6 + OVERHEAD} bytes, the tag room for 20"):
