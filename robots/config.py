@@ -232,7 +232,7 @@ class DeploymentConfig:
 class TagMemoryConfig:
     """What tags remember: how much, and under which seal."""
 
-    room_bytes: int = 197  # of content in a tag of 2,048 bits, beside a link, header, checksum and seal
+    room_bytes: int = 196  # of content in a tag of 2,048 bits, beside a link, header, checksum and seal
     key: str = ""  # of the mission, in hexadecimal digits: memories sealed with another are not believed
 
     def __post_init__(self) -> None:

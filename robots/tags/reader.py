@@ -92,6 +92,12 @@ class SimulatedTag:
         """Return a tag with a link and no record yet. Raises ChipError when the link leaves no room."""
         return cls(chip, format_chip(chip, link)[0])
 
+    def __eq__(self, other: object) -> bool:
+        same = isinstance(other, SimulatedTag) and self._chip == other._chip
+        return same and isinstance(other, SimulatedTag) and self._memory == other._memory
+
+    __hash__ = None  # type: ignore[assignment]  # it changes
+
     @property
     def chip(self) -> Chip:
         """The kind of chip."""

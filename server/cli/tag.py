@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -137,10 +138,8 @@ def _bytes_of(file: Path) -> bytes:
             data = opened.read(2 * _MOST_BYTES + 1)
     except OSError as error:
         raise CommandError(f"{file}: {error.strerror}") from error
-    try:
+    with suppress(ValueError):  # no digits: the bytes themselves
         data = bytes.fromhex(data.decode("ascii"))
-    except ValueError:
-        pass  # no digits: the bytes themselves
     if len(data) > _MOST_BYTES:
         raise CommandError(f"{file} is larger than any tag ({_MOST_BYTES} bytes)")
     return data

@@ -224,10 +224,11 @@ class Control:
     def call(self, method: str, path: str, body: object = None, **more: Any) -> httpx.Response:
         return self._client.request(method, path, json=body, **more)
 
-    def open(self, mission_id: str | None = None) -> Line:
+    def open(self, mission_id: str | None = None, tag_key: str | None = "") -> Line:
         """A new mission."""
         mission_id = mission_id or f"m{next(_numbers)}"
-        response = self.call("POST", "/missions", {"name": mission_id.upper(), "mission_id": mission_id})
+        words = {"name": mission_id.upper(), "mission_id": mission_id, "tag_key": tag_key}
+        response = self.call("POST", "/missions", words)
         assert response.status_code == 201, response.text
         return Line(self, mission_id)
 

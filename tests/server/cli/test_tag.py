@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 
+from robots.tags.chip import chip_of, format_chip
 from robots.tags.describe import describe, understand
 from robots.tags.map_memory import TagBelief, WriterMap
 from robots.tags.memory import CLOSED, OPEN, TagMemory, TagMemoryError
@@ -13,10 +14,12 @@ from server.cli.main import run
 KEY = "00ff17"
 LINK = "https://w.example/t/A4"
 MEMORY = TagMemory(
-    np.zeros((5, 5), np.uint8), (WriterMap("r1", 7, (TagBelief("B", 1.0, 2.0, 0.25, 0.0, 0.5),)),)
+    np.zeros((7, 7), np.uint8), (WriterMap("r1", 7, (TagBelief("B", 1.0, 2.0, 0.25, 0.0, 0.5),)),)
 )
-MEMORY.cells[3, 1] = OPEN  # one cell to the north, one to the east
-MEMORY.cells[2, 4] = CLOSED  # two cells to the west
+MEMORY.cells[4, 2] = OPEN  # one cell to the north, one to the east
+MEMORY.cells[3, 5] = CLOSED  # two cells to the west
+
+DRAWN = [".......", ".......", "....o..", ".#.....", ".......", ".......", "......."]
 
 
 def make(tmp_path, capsys, memory=MEMORY, *options):
@@ -32,7 +35,7 @@ def decoded(chip, capsys, *options):
     return json.loads(capsys.readouterr().out)
 
 
-@pytest.mark.parametrize("bits", [4032, 8192, 65536])
+@pytest.mark.parametrize("bits", [7104, 8192, 65536])
 def test_what_was_encoded_is_decoded(tmp_path, capsys, bits):
     chip, said = make(tmp_path, capsys, MEMORY, "--tag-bits", str(bits), "--revision", "9")
     assert said["complete"]
@@ -44,7 +47,7 @@ def test_what_was_encoded_is_decoded(tmp_path, capsys, bits):
         "revision": 9,
         "trusted": True,
     }
-    assert result["memory"]["window"] == [".....", "...o.", "#....", ".....", "....."]
+    assert result["memory"]["window"] == DRAWN
     assert understand(result["memory"]) == MEMORY
 
 
@@ -59,7 +62,10 @@ def test_on_a_small_chip_the_middle_stays_and_it_is_said_that_something_went(tmp
     chip, said = make(tmp_path, capsys, MEMORY, "--tag-bits", "512")
     assert not said["complete"]
     assert said["content_bytes"] <= said["room_bytes"]
-    assert decoded(chip, capsys, "--key", KEY)["memory"] == {"window": ["..o", "...", "..."], "maps": []}
+    assert decoded(chip, capsys, "--key", KEY)["memory"] == {
+        "window": [row[1:-1] for row in DRAWN[1:-1]],
+        "maps": [],
+    }
 
 
 def test_a_strangers_tag_is_shown_and_not_believed(tmp_path, capsys):
@@ -72,16 +78,13 @@ def test_a_strangers_tag_is_shown_and_not_believed(tmp_path, capsys):
 def test_it_draws_north_up(tmp_path, capsys):
     chip, _ = make(tmp_path, capsys)
     assert run(["tag", "show", str(chip), "--id", "A4", "--key", KEY]) == 0
-    assert capsys.readouterr().out.splitlines()[:5] == [".....", "...o.", "#.T..", ".....", "....."]
+    assert capsys.readouterr().out.splitlines()[:7] == [*DRAWN[:3], ".#.T...", *DRAWN[4:]]
     assert run(["tag", "decode", str(chip), "--id", "A4", "--key", KEY]) == 0
     assert "covered_m2" in capsys.readouterr().out
 
 
 def test_a_fresh_tag_says_nothing_yet(tmp_path, capsys):
-    chip, _ = make(tmp_path, capsys)
-    data = bytearray(chip.read_bytes())
-    data[37:200] = bytes(163)
-    (tmp_path / "fresh.bin").write_bytes(data)
+    (tmp_path / "fresh.bin").write_bytes(format_chip(chip_of(2048), LINK)[0])
     result = decoded(tmp_path / "fresh.bin", capsys)
     assert (result["records"], result["revision"], result["memory"]["window"]) == (0, None, ["."])
 
