@@ -29,6 +29,7 @@ from server.mission.doubts import Doubts
 from server.mission.events import Events
 from server.mission.links import Links
 from server.mission.memories import Memories
+from server.mission.nodes import Nodes
 from server.mission.recovery import Recovery
 from server.mission.replies import fresh_of, reply_to
 from server.mission.roster import Roster
@@ -63,6 +64,7 @@ class Mission:
         self.annotations = Annotations(store, mission_id, self.board)
         self.victims = Victims(store, mission_id, self.board, self.events)
         self.memories = Memories(store, mission_id, self.events)
+        self.nodes = Nodes(store, mission_id, self.board, self.events)
         self._tasks = Tasks(mission_id)
         self.roster = Roster(record, store, forks, self.board, self.events, self._tasks)
         self.stops = Stops(store, self.roster, self.events)
@@ -84,13 +86,14 @@ class Mission:
         await self.events.restore()
         await self.annotations.restore()
         await self.victims.restore()
+        await self.nodes.restore()
         await self.shared_map.restore()
         await self._recovery.restore()
 
     async def close(self) -> None:
         """End the processes of all agents and of the team map."""
         await self._tasks.close()
-        await asyncio.gather(self.shared_map.close(), self.roster.close())
+        await asyncio.gather(self.shared_map.close(), self.roster.close(), self.nodes.save())
 
     async def register(self, record: RobotRecord) -> tuple[Robot, bool]:
         """Add a robot, or let it join again with the same words; say whether it is new.
@@ -162,6 +165,7 @@ class Mission:
             self._think(robot, [(record.seq, record.body) for record in records])
         )
         await self.memories.keep_read(robot.robot_id, fresh)
+        await self.nodes.take(robot.robot_id, fresh)
 
     async def _answered(self, robot: Robot, thought: asyncio.Task[None]) -> None:
         """Wait until the agent has answered; a stopped robot has its STOP at once, whatever its agent does.
