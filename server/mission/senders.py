@@ -61,5 +61,6 @@ def _text(name: str, record: ObservationRecord, other: Observation, before: str,
     whence = f" One sends from {before}, the other from {sender}." if before != sender else ""
     return (
         f"Two robots send as {name}: observation {other.seq} came twice, and {what}. The first is kept."
-        f"{whence} Stop {name} and register one of them under another name: each gets orders meant for the other."
+        f"{whence} Stop {name} and register one of them under another name:"
+        " each gets orders meant for the other."
     )
