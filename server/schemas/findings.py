@@ -25,9 +25,7 @@ class TagOut(Wire):
         " `#2` and so on; `doubtful`: a reading contradicted all others."
     )
     notice: str = Field(description="What is wrong with a tag that is not sound, else empty.")
-    sensors: NodeOut | None = Field(
-        None, description="What it measured last, if it is an active node."
-    )
+    sensors: NodeOut | None = Field(None, description="What it measured last, if it is an active node.")
 
 
 class TagsOut(Wire):
