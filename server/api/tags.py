@@ -19,7 +19,7 @@ _BYTES = "application/octet-stream"
 _MEMORY = {200: {"content": {_BYTES: {"schema": {"type": "string", "format": "binary"}}}}}
 
 
-@router.get("", summary="All tags", operation_id="get_tags")
+@router.get("", summary="All tags", operation_id="get_tags", response_model_exclude_unset=True)
 async def get_tags(mission: OneMission) -> TagsOut:
     """Return the tags in the world frame, and the pairs driven one after the other."""
     links = (mission.board.get("links") or {}).get("pairs", [])
@@ -27,7 +27,7 @@ async def get_tags(mission: OneMission) -> TagsOut:
     return TagsOut(tags=tags, links=[(first, second) for first, second in links])
 
 
-@router.get("/{tag_id}", summary="One tag", operation_id="get_tag")
+@router.get("/{tag_id}", summary="One tag", operation_id="get_tag", response_model_exclude_unset=True)
 async def get_tag(tag_id: str, mission: OneMission) -> TagOut:
     """Return a tag in the world frame."""
     value = mission.board.get(f"tag/{tag_id}")
@@ -84,4 +84,4 @@ async def merge_memory(tag_id: Name, request: Request, mission: OneMission) -> R
 
 def _tag(mission: Mission, value: dict[str, Any]) -> TagOut:
     node = mission.board.get(f"node/{value['tag_id']}")
-    return TagOut(**value, sensors=None if node is None else NodeOut(**node))
+    return TagOut(**value) if node is None else TagOut(**value, sensors=NodeOut(**node))
