@@ -18,6 +18,9 @@ from robots.trajectory import Trajectory, TrajectoryStep, edges_of, final_trajec
 from robots.types import AgentUpdate, GraphReport, Observation
 
 
+_ROOM_BYTES = 12_000  # of a tag in a recording, with --memory: as much as an active node has
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class RobotReplay:
     """One robot's day: estimates as they were made and after the last solve, on the recording's own clock."""
@@ -68,9 +71,10 @@ def replay(
     team: TeamMap | None = None
     days = []
     tags = TagMemories(memory)
-    changes = {**(changes or {}), **({"map_memory": True} if memory else {})}
+    if memory:
+        changes = {"tag_memory": {"room_bytes": _ROOM_BYTES}, **(changes or {}), "map_memory": True}
     for robot_id in recording.robots if robots is None else robots:
-        config = override(override(AgentConfig(), recording.settings_of(robot_id)), changes)
+        config = override(override(AgentConfig(), recording.settings_of(robot_id)), changes or {})
         team = team or TeamMap(config.mapping.resolution_m)
         team.add_robot(robot_id, recording.start_pose(robot_id))
         observations = (
