@@ -6,13 +6,13 @@ import asyncio
 import fcntl
 import sqlite3
 from collections.abc import Callable, Iterable
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import IO, Any, TypeVar
 
-from sqlalchemy import URL, Connection, Table, event, make_url
+from sqlalchemy import URL, Connection, Engine, Table, create_engine, event, make_url
 from sqlalchemy.dialects import postgresql, sqlite
 from sqlalchemy.exc import DBAPIError
-from sqlalchemy.ext.asyncio import AsyncConnection, AsyncEngine, create_async_engine
 
 from db.errors import DatabaseError, explain
 from db.migrations import migrate
@@ -34,6 +34,7 @@ class Database:
         is_sqlite = url.get_backend_name() == "sqlite"
         self._writing = _engine(url, pool_size=1, writes=True)
         self._reading = _engine(url, pool_size=_READERS, writes=False)
+        self._readers = ThreadPoolExecutor(_READERS, thread_name_prefix="database reader")
         self._writer = Writer(self._writing, where, _set_sqlite_sync if is_sqlite else _set_postgresql_sync)
 
     @classmethod
@@ -50,8 +51,7 @@ class Database:
         lock = await asyncio.to_thread(_check_file, path) if path else None
         database = cls(url, where, lock)
         try:
-            async with database._writing.begin() as connection:
-                await connection.run_sync(migrate, where)
+            await asyncio.to_thread(_migrate, database._writing, where)
         except DBAPIError as error:
             await database._release()
             raise explain(error, where) from error
@@ -71,20 +71,24 @@ class Database:
         Raises:
             DatabaseError: the database cannot be read.
         """
-        try:
-            async with self._reading.connect() as connection:
-                return await connection.run_sync(work)
-        except DBAPIError as error:
-            raise explain(error, self.where) from error
+        return await asyncio.get_running_loop().run_in_executor(self._readers, self._read, work)
 
     async def close(self) -> None:
         """Finish every accepted write and let go of the file."""
         await self._writer.close()
         await self._release()
 
+    def _read(self, work: Callable[[Connection], T]) -> T:
+        try:
+            with self._reading.connect() as connection:
+                return work(connection)
+        except DBAPIError as error:
+            raise explain(error, self.where) from error
+
     async def _release(self) -> None:
-        await self._reading.dispose()
-        await self._writing.dispose()
+        await asyncio.to_thread(self._readers.shutdown)
+        self._reading.dispose()
+        self._writing.dispose()
         if self._lock is not None:
             self._lock.close()
 
@@ -118,16 +122,16 @@ def _insert(connection: Connection, table: Table) -> Any:
 def _url(target: str | Path) -> URL:
     if isinstance(target, str) and "://" in target:
         return make_url(target)
-    return URL.create("sqlite+aiosqlite", database=str(target))
+    return URL.create("sqlite", database=str(target))
 
 
-def _engine(url: URL, *, pool_size: int, writes: bool) -> AsyncEngine:
-    engine = create_async_engine(url, pool_size=pool_size, max_overflow=0)
+def _engine(url: URL, *, pool_size: int, writes: bool) -> Engine:
+    engine = create_engine(url, pool_size=pool_size, max_overflow=0)
     if url.get_backend_name() == "sqlite":
         # The driver's own transaction handling begins late and never IMMEDIATE: it is switched off
         # (isolation_level None) and the BEGIN is ours. A write then waits for the lock at its start, never
         # fails half way.
-        @event.listens_for(engine.sync_engine, "connect")
+        @event.listens_for(engine, "connect")
         def _connect(connection: Any, _record: Any) -> None:
             connection.isolation_level = None
             cursor = connection.cursor()
@@ -139,22 +143,28 @@ def _engine(url: URL, *, pool_size: int, writes: bool) -> AsyncEngine:
                 cursor.execute("PRAGMA query_only = ON")
             cursor.close()
 
-        @event.listens_for(engine.sync_engine, "begin")
+        @event.listens_for(engine, "begin")
         def _begin(connection: Connection) -> None:
             connection.exec_driver_sql("BEGIN IMMEDIATE" if writes else "BEGIN")
 
     return engine
 
 
-async def _set_sqlite_sync(connection: AsyncConnection, durable: bool) -> None:
-    raw = await connection.get_raw_connection()
+def _migrate(engine: Engine, where: str) -> None:
+    with engine.begin() as connection:
+        migrate(connection, where)
+
+
+def _set_sqlite_sync(connection: Connection, durable: bool) -> None:
     # On the driver's connection: the pragma is ignored inside a transaction, and SQLAlchemy would begin one.
-    await raw.driver_connection.execute(f"PRAGMA synchronous = {'FULL' if durable else 'NORMAL'}")  # type: ignore[union-attr]
+    cursor = connection.connection.cursor()
+    cursor.execute(f"PRAGMA synchronous = {'FULL' if durable else 'NORMAL'}")
+    cursor.close()
 
 
-async def _set_postgresql_sync(connection: AsyncConnection, durable: bool) -> None:
-    await connection.exec_driver_sql(f"SET synchronous_commit = {'on' if durable else 'off'}")
-    await connection.commit()
+def _set_postgresql_sync(connection: Connection, durable: bool) -> None:
+    connection.exec_driver_sql(f"SET synchronous_commit = {'on' if durable else 'off'}")
+    connection.commit()
 
 
 def _check_file(path: Path) -> IO[bytes]:

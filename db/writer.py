@@ -1,23 +1,25 @@
 """One writer, one queue: every change of the database goes through here, in order.
 
 SQLite lets one connection write at a time; several that try wait for each other and lose more than half of
-their speed. So a write is a function taking the connection, and those that wait together share a transaction.
+their speed. So a write is a function taking the connection, and those that wait together share a transaction,
+which is one trip to the writer's thread: handing over each statement would cost more than running it.
 """
 
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Awaitable, Callable
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
-from sqlalchemy import Connection
+from sqlalchemy import Connection, Engine
 from sqlalchemy.exc import DBAPIError
-from sqlalchemy.ext.asyncio import AsyncConnection, AsyncEngine
 
 from db.errors import DatabaseError, explain
 
 T = TypeVar("T")
+_Outcome = tuple[Any, Exception | None]
 
 _GROUP = 64  # writes that share a transaction at most: keeps each one short
 
@@ -32,20 +34,17 @@ class _Write:
 class Writer:
     """Runs queued write functions on one connection.
 
-    Writes that wait at the same moment share a transaction, each in a savepoint of its own, so that one that
-    fails fails alone. A caller that is cancelled while it waits loses its answer, never the write.
+    Writes that wait at the same moment share a transaction. Where one of them fails, all are taken back and
+    each is run again in a transaction of its own, so that it fails alone. A caller that is cancelled while it
+    waits loses its answer, never the write.
     """
 
-    def __init__(
-        self,
-        engine: AsyncEngine,
-        where: str,
-        set_durable: Callable[[AsyncConnection, bool], Awaitable[None]],
-    ) -> None:
+    def __init__(self, engine: Engine, where: str, set_durable: Callable[[Connection, bool], None]) -> None:
         self._engine = engine
         self._where = where
         self._set_durable = set_durable
         self._queue: asyncio.Queue[_Write | None] = asyncio.Queue()
+        self._thread = ThreadPoolExecutor(1, thread_name_prefix="database writer")
         self._task: asyncio.Task[None] | None = None
         self._durable = False
         self._closed = False
@@ -57,7 +56,8 @@ class Writer:
     async def write(self, work: Callable[[Connection], T], *, durable: bool = False) -> T:
         """Run ``work`` in a transaction and return its result once it is committed.
 
-        ``durable``: on the disk before this returns, even if the power fails the next moment.
+        ``work`` changes nothing but the database: it may be run twice. ``durable``: on the disk before this
+        returns, even if the power fails the next moment.
 
         Raises:
             DatabaseError: the database could not take it; nothing of this write remains.
@@ -76,59 +76,50 @@ class Writer:
             self._queue.put_nowait(None)
             await self._task
             self._task = None
+        self._thread.shutdown()
 
     async def _run(self) -> None:
-        while True:
+        loop = asyncio.get_running_loop()
+        last = False
+        while not last:
             write = await self._queue.get()
-            if write is None:
-                return
-            group, last = [write], False
-            while len(group) < _GROUP and not self._queue.empty():
-                following = self._queue.get_nowait()
-                if following is None:
-                    last = True
+            group: list[_Write] = []
+            while write is not None:
+                group.append(write)
+                if len(group) == _GROUP or self._queue.empty():
                     break
-                group.append(following)
-            await self._commit(group)
-            if last:
-                return
+                write = self._queue.get_nowait()
+            last = write is None
+            if group:
+                outcomes = await loop.run_in_executor(self._thread, self._commit, group)
+                for done, outcome in zip(group, outcomes, strict=True):
+                    self._tell(done.answer, *outcome)
 
-    async def _commit(self, group: list[_Write]) -> None:
+    def _commit(self, group: list[_Write]) -> list[_Outcome]:
+        """Run writes in the writer's thread; whatever fails belongs to those who wait for it."""
         try:
-            async with self._engine.connect() as connection:
-                durable = any(write.durable for write in group)
-                if durable != self._durable:
-                    await self._set_durable(connection, durable)
-                    self._durable = durable
-                async with connection.begin():
-                    outcomes = await connection.run_sync(_run_group, group)
-        except Exception as error:  # whatever fails belongs to those who wait for it, not to this loop
-            for write in group:
-                _fail(write, error, self._where)
-            return
-        for write, (result, failure) in zip(group, outcomes, strict=True):
-            if failure is not None:
-                _fail(write, failure, self._where)
-            elif not write.answer.done():
-                write.answer.set_result(result)
-
-
-def _run_group(connection: Connection, group: list[_Write]) -> list[tuple[Any, Exception | None]]:
-    if len(group) == 1:
-        return [(group[0].work(connection), None)]
-    outcomes: list[tuple[Any, Exception | None]] = []
-    for write in group:
-        try:
-            with connection.begin_nested():
-                outcomes.append((write.work(connection), None))
+            return [(result, None) for result in self._transaction(group)]
         except Exception as error:
-            outcomes.append((None, error))
-    return outcomes
+            if len(group) == 1:
+                return [(None, error)]
+        return [self._commit([write])[0] for write in group]
 
+    def _transaction(self, group: list[_Write]) -> list[Any]:
+        with self._engine.connect() as connection:
+            durable = any(write.durable for write in group)
+            if durable != self._durable:
+                self._set_durable(connection, durable)
+                self._durable = durable
+            with connection.begin():
+                return [write.work(connection) for write in group]
 
-def _fail(write: _Write, error: Exception, where: str) -> None:
-    if not write.answer.done():
-        write.answer.set_exception(explain(error, where) if isinstance(error, DBAPIError) else error)
+    def _tell(self, answer: asyncio.Future[Any], result: Any, error: Exception | None) -> None:
+        if answer.done():
+            return
+        if error is None:
+            answer.set_result(result)
+        else:
+            answer.set_exception(explain(error, self._where) if isinstance(error, DBAPIError) else error)
 
 
 def _retrieve(answer: asyncio.Future[Any]) -> None:

@@ -16,7 +16,7 @@ ROOT = Path(__file__).parent.parent
 
 def test_every_command_is_in_the_readme() -> None:
     readme = (ROOT / "README.md").read_text()
-    commands = set(typer.main.get_command(build()).commands)  # type: ignore[attr-defined]
+    commands = set(typer.main.get_command(build()).commands)
     elsewhere = {"demo", "warm"}  # `make run` is the demonstration, `make setup` warms up
     assert {name for name in commands - elsewhere if f"waymark {name}" not in readme} == set()
 

@@ -8,6 +8,7 @@ them, and a batch solve begins from them.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
@@ -113,7 +114,11 @@ class FilterSlam(TrackedSlam):
         moved = self._moved_m > _JUMPED_M
         if moved:
             self._moved_m = 0.0
-        due = tuple(s for s in (*passed, *afar) if self._may_write(s, observation.stamp_s))
+        due = tuple(
+            replace(s, memory=self._memories.get(s.tag_id, s.memory))
+            for s in (*passed, *afar)
+            if self._may_write(s, observation.stamp_s)
+        )
         return Passage(due, anchored, moved, anchored)
 
     def report(self) -> GraphReport:
@@ -158,9 +163,11 @@ class FilterSlam(TrackedSlam):
         return [sighting for sighting in heard if self._filter.see(sighting)]
 
     def _read_memory(self, sighting: TagSighting) -> None:
-        if not self._config.map_memory or sighting.memory == self._memories.get(sighting.tag_id, b""):
-            return
+        if not sighting.memory or sighting.memory == self._memories.get(sighting.tag_id):
+            return  # only the id was read, or nothing new
         self._memories[sighting.tag_id] = sighting.memory
+        if not self._config.map_memory:
+            return
         try:
             maps = decode_memory(sighting.memory).maps
         except TagMemoryError:

@@ -90,7 +90,7 @@ def explore(map_spec: str, seed: int, minutes: float | None = None, searches: in
     poses = np.array([everybody[0] for everybody in simulation.track])
     dt_s = scenario.period_s / scenario.ticks_per_period
     wheels = np.array([_wheels(observation) for observation in log])  # exact: their noise level is 0
-    track_m = scenario.agent_for.body.track_width_m
+    track_m = scenario.agent_config.body.track_width_m
     ids = {tag.tag_id: index for index, tag in enumerate(simulation.tags.tags)}
     read = [(observation.seq, ids[s.tag_id]) for observation in log for s in observation.tag_sightings]
     frames = _frames(poses, log)
@@ -116,7 +116,7 @@ def _search(simulation: Simulation, number: int, limit_s: float, log: list[Obser
     The agent is told once a period what happened in it.
     """
     scenario = simulation.config
-    agent = RobotAgent(ROBOT, replace(scenario.agent_for, poses="truth", seed=scenario.seed + number))
+    agent = RobotAgent(ROBOT, replace(scenario.agent_of(ROBOT), poses="truth", seed=scenario.seed + number))
     before, end_s = simulation.truth(ROBOT), simulation.clock_s + limit_s
     period = 0
     while simulation.clock_s < end_s:

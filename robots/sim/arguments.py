@@ -4,9 +4,19 @@ from __future__ import annotations
 
 import argparse
 from math import radians
+from typing import get_args
 
+from robots.config import AgentConfig
+from robots.estimation.radio import ENVIRONMENTS, TagHardware
 from robots.sim.hostile import HostileConfig
-from robots.sim.scenario import RadioCut, ScenarioConfig, ScenarioError, SilenceConfig
+from robots.sim.scenario import (
+    SLAM_KINDS,
+    RadioCut,
+    ScenarioConfig,
+    ScenarioError,
+    SilenceConfig,
+    parse_slam,
+)
 from robots.sim.sensors import LaserConfig
 
 
@@ -37,9 +47,15 @@ def add_scenario_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--laser-hz", type=float, default=usual.laser_hz)
     parser.add_argument("--sonars", type=int, default=usual.sonars)
     parser.add_argument("--infrareds", type=int, default=usual.infrareds)
+    parser.add_argument("--tags", choices=get_args(TagHardware), default=usual.tags)
+    parser.add_argument("--environment", choices=tuple(ENVIRONMENTS), default=usual.environment)
+    parser.add_argument("--tags-in-place", type=int, default=usual.tags_in_place, metavar="COUNT")
     parser.add_argument("--tag-bits", type=int, default=usual.tag_bits)
+    parser.add_argument("--slam", metavar="[ROBOT=]KIND,...", help=f"of {', '.join(SLAM_KINDS)}")
+    parser.add_argument("--memory", choices=("none", "tags"), default="none", help="maps left in tags")
     for name in HostileConfig.__slots__:
-        parser.add_argument(f"--{name}", type=int, default=getattr(usual.hostile, name), metavar="COUNT")
+        option = f"--{name.replace('_', '-')}"
+        parser.add_argument(option, type=int, default=getattr(usual.hostile, name), metavar="COUNT")
 
 
 def scenario_from_arguments(arguments: argparse.Namespace) -> ScenarioConfig:
@@ -63,7 +79,12 @@ def scenario_from_arguments(arguments: argparse.Namespace) -> ScenarioConfig:
         imu=not arguments.no_imu,
         sonars=arguments.sonars,
         infrareds=arguments.infrareds,
+        tags=arguments.tags,
+        environment=arguments.environment,
+        tags_in_place=arguments.tags_in_place,
         tag_bits=arguments.tag_bits,
+        slam=parse_slam(arguments.slam) if arguments.slam else (),
+        agent_config=AgentConfig(map_memory=arguments.memory == "tags"),
     )
 
 

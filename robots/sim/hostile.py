@@ -21,6 +21,13 @@ class HostileConfig:
     smoke: int = 0  # clouds 1.5 to 3 m across
     ramps: int = 0  # 1.5 to 3 m long, 6 to 15 degrees
     slippery: int = 0  # patches 0.8 to 2.5 m across that give 20 to 60 % of the motion
+    spikes: int = 0  # of a thousand readings of a radio, 10 to 30 dB off
+    dead_tags: int = 0  # of those in place: their radio never works,
+    switched_tags: int = 0  # is off for a while,
+    moved_tags: int = 0  # somebody carries them off,
+    knocked_tags: int = 0  # or knocks them over
+    twin_tags: int = 0  # more tags in place that bear the id of another
+    fires: int = 0  # that start and grow; active nodes near them tell
 
 
 def make_hostile(world: World, config: HostileConfig, rng: np.random.Generator) -> World:

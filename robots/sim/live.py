@@ -191,7 +191,7 @@ def _register(simulation: Simulation, clients: dict[str, RobotClient], name: str
             agent=config.agent,
             start_pose={**pose_to_wire(start), "sd_m": START_SD_M, "sd_rad": START_SD_RAD},
             silence={"after_s": config.silence.after_s, "policy": config.silence.policy},
-            config=changes(config.agent_for, AgentConfig()),
+            config=changes(config.agent_of(robot_id), AgentConfig()),
         )
         if reply["next_seq"] > 0:
             raise LiveError(
@@ -205,7 +205,7 @@ def _pilot(
     if config.agent == "server":
         return radio(config, robot_id, ServerPilot(client))
     cuts = [cut for cut in config.radio_cuts if cut.robot_id == robot_id]
-    return OnboardPilot(agent_factory(robot_id, config.agent_for), merge, client, cuts)
+    return OnboardPilot(agent_factory(robot_id, config.agent_of(robot_id)), merge, client, cuts)
 
 
 def changes(config: Any, default: Any) -> Json:

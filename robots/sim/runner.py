@@ -143,7 +143,7 @@ def run(
     simulation = Simulation(config)
     logs = {robot_id: _Log() for robot_id in config.robot_ids}
     agents = {
-        robot_id: _Timed(agent_factory(robot_id, config.agent_for), logs[robot_id].steps_s)
+        robot_id: _Timed(agent_factory(robot_id, config.agent_of(robot_id)), logs[robot_id].steps_s)
         for robot_id in config.robot_ids
     }
     pilots: dict[str, Pilot] = {
@@ -192,7 +192,7 @@ def mission_score(simulation: Simulation, victims_m: Sequence[Array]) -> Score:
     return score(
         simulation.world,
         simulation.seen,
-        observable(simulation.world, config.agent_for.body.radius_m, config.laser.range_max_m),
+        observable(simulation.world, config.agent_config.body.radius_m, config.laser.range_max_m),
         sum(simulation.driven_m(robot_id) for robot_id in config.robot_ids),
         estimates,
         np.array([(victim.x_m, victim.y_m) for victim in simulation.victims]).reshape(-1, 2),

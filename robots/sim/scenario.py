@@ -5,11 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from math import isfinite
 from pathlib import Path
-from typing import Literal
+from typing import Literal, get_args, get_type_hints
 
 import numpy as np
 
-from robots.config import AgentConfig, OdometryConfig
+from robots.config import AgentConfig, OdometryConfig, RadioConfig, override
+from robots.estimation.radio import ENVIRONMENTS, TagHardware, radio_for
 from robots.sim.generate import generate
 from robots.sim.hostile import HostileConfig, make_hostile
 from robots.sim.map_files import load_map
@@ -21,6 +22,10 @@ from robots.sim.world import World
 ODOMETRY_HZ = 20
 MAX_ROBOTS = 100
 START_SD_M, START_SD_RAD = 0.05, 0.02  # how well the starts are surveyed
+SLAM_KINDS: tuple[str, ...] = get_args(get_type_hints(AgentConfig)["slam"])
+FLOOR_SLAM = frozenset({"tag-graph", "odometry"})  # their robots have an antenna over the floor
+OTHERS = "*"  # in place of a robot's name: all that are not named
+TAG_BITS: dict[TagHardware, int] = {"near": 2048, "uhf": 2048, "node": 96_000}
 
 
 class ScenarioError(ValueError):
@@ -49,8 +54,13 @@ class ScenarioConfig:
     """A scenario. The same scenario gives the same mission, bit for bit.
 
     ``map`` is a map_server YAML file, ``office:AREA`` or ``open:AREA``. With ``poses="truth"`` odometry and
-    IMU are exact. ``agent_config`` is what every robot's agent is told; ``agent_for`` completes it. Compasses
+    IMU are exact. ``agent_config`` is what every robot's agent is told; ``agent_of`` completes it. Compasses
     are off by a constant each, up to ``compass_off_rad`` to either side.
+
+    ``tags``: the hardware of the tags, those ``tags_in_place`` at the start (N01, N02, ...) and those that
+    robots drop. Radio tags are heard in ``environment``; robots with SLAM over the floor's tags also read the
+    chip of a tag that they drive over. ``slam``: pairs of a robot's name, or ``OTHERS``, and its kind.
+    ``tag_bits`` None: as much memory as such tags have.
     """
 
     map: str = "office:300"
@@ -73,12 +83,17 @@ class ScenarioConfig:
     compass_off_rad: float = 0.0
     sonars: int = 0
     infrareds: int = 0
-    tag_bits: int = 2048
+    tags: TagHardware = "near"
+    environment: str = "open"
+    tags_in_place: int = 0
+    tag_bits: int | None = None
     base_tag: bool = True
+    slam: tuple[tuple[str, str], ...] = ()
     agent_config: AgentConfig = field(default_factory=AgentConfig)
 
     def __post_init__(self) -> None:
         """Refuse what cannot be played. Raises ScenarioError."""
+        _known("tags", self.tags, get_args(TagHardware))
         _within("robots", self.robots, 1, MAX_ROBOTS)
         _within("minutes", self.minutes, 0.0, 24 * 60.0)
         _within("seed", self.seed, 0, 2**63 - 1)
@@ -90,18 +105,20 @@ class ScenarioConfig:
         _within("laser.sd_m", self.laser.sd_m, 0.0, 1.0)
         _within("laser_hz", self.laser_hz, 0.5, ODOMETRY_HZ)
         _within("compass_off_rad", self.compass_off_rad, 0.0, np.pi)
-        _within("tag_bits", self.tag_bits, 0, 1_000_000)
+        _within("tag_bits", self.memory_bits, 0, 1_000_000)
+        _within("tags_in_place", self.tags_in_place, 0, 2000)
+        _known("environment", self.environment, tuple(ENVIRONMENTS))
         _within("sonars", self.sonars, 0, 64)
         _within("infrareds", self.infrareds, 0, 64)
         _within("silence.after_s", self.silence.after_s, 0.0, 3600.0)
-        for name, count in (
-            ("glass", self.hostile.glass),
-            ("bricks", self.hostile.bricks),
-            ("smoke", self.hostile.smoke),
-            ("ramps", self.hostile.ramps),
-            ("slippery", self.hostile.slippery),
-        ):
-            _within(f"hostile.{name}", count, 0, 1000)
+        for name in HostileConfig.__slots__:
+            _within(f"hostile.{name}", getattr(self.hostile, name), 0, 1000)
+        for robot_id, kind in self.slam:
+            _known("slam", kind, SLAM_KINDS)
+            if self.tags == "near" and kind not in FLOOR_SLAM:
+                raise ScenarioError(f"slam: {kind} needs tags that are heard by radio; use tags uhf or node")
+            if robot_id not in (OTHERS, *self.robot_ids):
+                raise ScenarioError(f"slam: there is no robot {robot_id}; robots are r1 to r{self.robots}")
         for cut in self.radio_cuts:
             if cut.robot_id not in self.robot_ids:
                 raise ScenarioError(
@@ -131,12 +148,52 @@ class ScenarioConfig:
         return round(self.minutes * 60.0 / self.period_s)
 
     @property
-    def agent_for(self) -> AgentConfig:
-        """What its agents are told: with the data sheet of their wheels, unless told otherwise."""
-        config = replace(self.agent_config, poses=self.poses, seed=self.seed)
+    def memory_bits(self) -> int:
+        """How much a tag holds."""
+        return TAG_BITS[self.tags] if self.tag_bits is None else self.tag_bits
+
+    @property
+    def radio(self) -> RadioConfig | None:
+        """The radio of the tags, None where they have none."""
+        return None if self.tags == "near" else radio_for(self.tags, self.environment)
+
+    def agent_of(self, robot_id: str) -> AgentConfig:
+        """Return what a robot's agent is told.
+
+        Its kind of SLAM, the radio it carries, and the data sheet of its wheels unless told otherwise.
+        """
+        kinds = dict(self.slam)
+        kind = kinds.get(robot_id, kinds.get(OTHERS, self.agent_config.slam))
+        radio = self.agent_config.radio
+        if self.radio is not None and radio == RadioConfig():
+            radio = self.radio
+        told = override(self.agent_config, {"slam": kind})
+        config = replace(told, poses=self.poses, seed=self.seed, radio=radio)
         if self.poses == "truth" or self.noise_level == 0 or config.odometry != OdometryConfig():
             return config
         return replace(config, odometry=data_sheet(self.noise_level, config.body.track_width_m))
+
+
+def parse_slam(text: str) -> tuple[tuple[str, str], ...]:
+    """Return the pairs of ``r1=ekf,r2=rslam,tag-graph``: a kind without a name is for all others.
+
+    Raises:
+        ScenarioError: a robot, or the rest, is named twice, or something is missing.
+    """
+    pairs = []
+    for part in text.split(","):
+        name, equals, kind = part.strip().rpartition("=")
+        if not kind or (equals and not name):
+            raise ScenarioError(f"slam {text!r}: give a kind, or ROBOT=KIND for some, as in r1=ekf,tag-graph")
+        pairs.append((name or OTHERS, kind))
+    if len(dict(pairs)) < len(pairs):
+        raise ScenarioError(f"slam {text!r} names a robot, or the rest of them, twice")
+    return tuple(pairs)
+
+
+def _known(name: str, value: str, known: tuple[str, ...]) -> None:
+    if value not in known:
+        raise ScenarioError(f"{name}: {value!r} is unknown; use one of {', '.join(known)}")
 
 
 def _within(name: str, value: float, low: float, high: float) -> None:

@@ -12,12 +12,16 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from robots.se2 import Array, Pose2
 from robots.sim.body import Bodies, Motion
-from robots.sim.scenario import ODOMETRY_HZ, ScenarioConfig, build_world
+from robots.sim.channel import Channel
+from robots.sim.node_life import NodeLife
+from robots.sim.receivers import Receiver
+from robots.sim.scenario import FLOOR_SLAM, ODOMETRY_HZ, ScenarioConfig, build_world
 from robots.sim.sensors import Laser, Ring, ThermalCamera, others_near
-from robots.sim.starts import Victim, place_robots, place_victims
+from robots.sim.starts import Victim, place_robots, place_tags, place_victims
 from robots.sim.tags import BASE_TAG, Magazine, Reader, TagField
 from robots.sim.wheels import Imu, Wheels
 from robots.sim.world import Cells, World
@@ -29,6 +33,7 @@ from robots.types import (
     Observation,
     Odometry,
     RangeReading,
+    TagSighting,
 )
 
 _IDLE_LIFE_S = 7200.0  # a battery lasts so long standing still,
@@ -63,11 +68,17 @@ class _Robot:
         self.camera = ThermalCamera(world, config.heat, streams[3])
         self.ring = Ring(world, config.sonars, config.infrareds, streams[4])
         self.magazine = Magazine(robot_id, magazine)
-        self.reader = Reader()
+        floor_antenna = config.tags == "near" or config.agent_of(robot_id).slam in FLOOR_SLAM
+        self.reader = Reader() if floor_antenna else None
+        self.radio: Receiver | None = None
         self.battery = 1.0
         self.driven_m = 0.0
         self.order = Order()
         self.seq = 0
+
+    def reaches(self, tag: int) -> bool:
+        """Return whether the robot's radio reaches the tag of this index."""
+        return self.radio is not None and self.radio.reaches(tag)
 
 
 class Simulation:
@@ -80,9 +91,9 @@ class Simulation:
         """Build the world and put everything in its place. Raises WorldError or ScenarioError."""
         self.config = config
         self.world = build_world(config)
-        body = config.agent_for.body
+        body, antenna = config.agent_config.body, config.agent_config.antenna
         self._radius_m = body.radius_m
-        self._antenna_ahead_m = config.agent_for.antenna.ahead_m
+        self._antenna_ahead_m = antenna.ahead_m
         starts = place_robots(
             self.world, config.robots, body.radius_m, config.start, np.random.default_rng([config.seed, 3])
         )
@@ -91,14 +102,16 @@ class Simulation:
             self.world, config.victims, body.radius_m, starts[:, :2], np.random.default_rng([config.seed, 4])
         )
         self._victims_m = np.array([(victim.x_m, victim.y_m) for victim in self.victims]).reshape(-1, 2)
-        self.bodies = Bodies(self.world, starts, body, config.agent_for.antenna)
-        self.tags = TagField(config.tag_bits)
+        self.bodies = Bodies(self.world, starts, body, antenna)
+        self.tags = TagField(config.memory_bits)
         if config.base_tag:
             self.tags.drop(BASE_TAG, *self._antenna(0))
-        magazine = config.agent_for.deployment.magazine
+        self.life = _lay_tags(config, self.world, self.tags, body.radius_m)
+        magazine = config.agent_config.deployment.magazine
         self._robots = [
             _Robot(config, self.world, index, magazine, body.track_width_m) for index in range(config.robots)
         ]
+        self._give_radios()
         self.seen: Cells = np.zeros_like(self.world.cells)
         self.track: list[Array] = []  # true poses, (n, 3), at each tick
 
@@ -141,7 +154,7 @@ class Simulation:
             robot.order = order
             x, y = self._antenna(index)
             for write in order.command.writes:
-                self.tags.write(write.tag_id, write.memory, x, y)
+                self.tags.write(write.tag_id, write.memory, x, y, robot.reaches)
             if order.command.drop_tag and not order.held:
                 tag_id = robot.magazine.take()
                 if tag_id is not None:
@@ -154,6 +167,7 @@ class Simulation:
             before = [self.bodies.pose(index) for index in range(len(self._robots))]
             motion = self.bodies.tick(self._velocities(), self.tags.places_m, 1.0 / ODOMETRY_HZ)
             self.track.append(self.bodies.poses.copy())
+            self.life.advance(self.clock_s)
             with_scan = tick == self.config.ticks_per_period - 1
             for index, batch in enumerate(batches):
                 batch.append(self._observe(index, before[index], motion, with_scan))
@@ -200,7 +214,7 @@ class Simulation:
             imu=robot.imu.read(pose.x, pose.y, pose.theta, dt_s) if robot.imu is not None else None,
             scan=scan,
             beams=beams,
-            tag_sightings=robot.reader.sightings(self.tags, motion.read[index], self.clock_s),
+            tag_sightings=self._tags_read(robot, pose, motion.read[index]),
             heat=heat,
             battery=robot.battery,
             tags_left=robot.magazine.left,
@@ -208,6 +222,30 @@ class Simulation:
             held=robot.order.held,
         )
 
+    def _tags_read(self, robot: _Robot, pose: Pose2, under: NDArray[np.bool_]) -> tuple[TagSighting, ...]:
+        read: tuple[TagSighting, ...] = ()
+        if robot.reader is not None:
+            read = robot.reader.sightings(self.tags, under, self.clock_s)
+        if robot.radio is not None:
+            read += robot.radio.sightings(pose, self.clock_s, 1.0 / ODOMETRY_HZ)
+        return read
+
+    def _give_radios(self) -> None:
+        config, radio = self.config, self.config.radio
+        if radio is None:
+            return
+        channel = Channel(self.world, self.tags, config.tags, radio, config.seed)
+        for index, robot in enumerate(self._robots):
+            rng = np.random.default_rng([config.seed, 10 + _STREAMS, index])
+            robot.radio = Receiver(channel, self.tags, self.life, config.hostile.spikes / 1000.0, rng)
+
     def _antenna(self, index: int) -> tuple[float, float]:
         """Return where the middle of a robot's antenna is over the floor, in the world frame."""
         return self.bodies.pose(index).transform_point(self._antenna_ahead_m, 0.0)
+
+
+def _lay_tags(config: ScenarioConfig, world: World, field: TagField, radius_m: float) -> NodeLife:
+    """Lay down the tags that are in place at the start."""
+    placing, living = np.random.default_rng([config.seed, 5]).spawn(2)
+    places = place_tags(world, config.tags_in_place, radius_m, placing)
+    return NodeLife(world, field, places, config.hostile, radius_m, 60.0 * config.minutes, living)

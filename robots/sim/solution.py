@@ -54,7 +54,7 @@ class Solution:
 
 def solve(result: SimulationResult) -> Solution:
     """Solve the graphs of all robots together and place every robot's trajectory in that solution."""
-    team = TeamMap(result.config.agent_for.mapping.resolution_m)
+    team = TeamMap(result.config.agent_config.mapping.resolution_m)
     for robot in result.robots:
         team.add_robot(robot.robot_id, StartPose(robot.start, START_SD_M, START_SD_RAD))
         team.put(robot.robot_id, robot.report)

@@ -71,6 +71,20 @@ def place_victims(
     raise WorldError(f"the map has no room for {count} victims; use fewer, or a larger map")
 
 
+def place_tags(world: World, count: int, radius_m: float, rng: np.random.Generator) -> Array:
+    """Return places for tags, (count, 2), as far from each other as they get where robots can go.
+
+    Raises:
+        WorldError: the world has no room for so many.
+    """
+    if count == 0:
+        return np.zeros((0, 2))
+    spots = _centres(world, *np.nonzero(world.reachable(radius_m)))
+    if len(spots) < count:
+        raise WorldError(f"the map has no room for {count} tags; use fewer, or a larger map")
+    return _far_apart(spots[rng.permutation(len(spots))[: max(400, 10 * count)]], count)
+
+
 def _together(world: World, spots: Array, robots: int, closest_m: float, rng: np.random.Generator) -> Array:
     """Pack the team round a random spot, nearest places first; all look where the view is longest."""
     for spacing_m in _SPACINGS_M:

@@ -5,6 +5,7 @@ And the magazines and readers robots carry.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,23 +21,30 @@ _REPEAT_S = 1.0  # a tag that stays under the antenna is reported so often
 
 @dataclass(slots=True)
 class Tag:
-    """A tag lying on the floor."""
+    """A tag lying on the floor; ``on``: its radio works; ``tilt_rad``: how far it leans over."""
 
     tag_id: str
     x_m: float
     y_m: float
     memory: bytes = b""
+    on: bool = True
+    tilt_rad: float = 0.0
 
 
 class TagField:
-    """All tags of a world. A tag holds ``capacity_bits``; a longer write is refused and changes nothing."""
+    """All tags of a world. A tag holds ``capacity_bits``; a longer write is refused and changes nothing.
+
+    ``version`` rises when a tag comes, goes, moves, or its radio is switched.
+    """
 
     def __init__(self, capacity_bits: int) -> None:
         self._capacity_bits = capacity_bits
         self._tags: list[Tag] = []
-        self._index: dict[str, int] = {}
+        self._indices: dict[str, list[int]] = {}
         self._places: Array = np.zeros((0, 2))
+        self._on: NDArray[np.bool_] = np.zeros(0, bool)
         self.refused_writes = 0
+        self.version = 0
 
     @property
     def tags(self) -> tuple[Tag, ...]:
@@ -48,32 +56,63 @@ class TagField:
         """Where the tags lie, (m, 2), in the world frame."""
         return self._places
 
+    @property
+    def on(self) -> NDArray[np.bool_]:
+        """Which tags' radios work, (m,)."""
+        return self._on
+
+    def tag(self, index: int) -> Tag:
+        """Return the tag of this index."""
+        return self._tags[index]
+
     def sighting(self, index: int) -> TagSighting:
         """Return what a reader gets from the tag of this index: its id and memory."""
         tag = self._tags[index]
         return TagSighting(tag.tag_id, tag.memory)
 
-    def drop(self, tag_id: str, x_m: float, y_m: float) -> None:
-        """Lay a tag down. Raises ValueError when the id is taken."""
-        if tag_id in self._index:
+    def drop(self, tag_id: str, x_m: float, y_m: float, *, twin: bool = False) -> None:
+        """Lay a tag down; only a ``twin`` may bear an id that another tag has. Raises ValueError."""
+        if tag_id in self._indices and not twin:
             raise ValueError(f"there is a tag {tag_id} already")
-        self._index[tag_id] = len(self._tags)
+        self._indices.setdefault(tag_id, []).append(len(self._tags))
         self._tags.append(Tag(tag_id, x_m, y_m))
-        self._places = np.array([(tag.x_m, tag.y_m) for tag in self._tags])
+        self._changed()
 
-    def write(self, tag_id: str, memory: bytes, x_m: float, y_m: float) -> bool:
-        """Write a tag's memory from an antenna at a place.
+    def move(self, index: int, x_m: float, y_m: float) -> None:
+        """Put a tag somewhere else."""
+        self._tags[index].x_m, self._tags[index].y_m = x_m, y_m
+        self._changed()
+
+    def switch(self, index: int, on: bool) -> None:
+        """Switch a tag's radio on or off."""
+        self._tags[index].on = on
+        self._changed()
+
+    def write(
+        self,
+        tag_id: str,
+        memory: bytes,
+        x_m: float,
+        y_m: float,
+        reaches: Callable[[int], bool] = lambda index: False,
+    ) -> bool:
+        """Write a tag's memory from an antenna over a place, or by a radio that ``reaches`` the tag.
 
         Return False where the tag is out of reach or too small.
         """
-        index = self._index.get(tag_id)
-        if index is not None and 8 * len(memory) <= self._capacity_bits:
-            tag = self._tags[index]
-            if np.hypot(tag.x_m - x_m, tag.y_m - y_m) <= WRITE_REACH_M:
-                tag.memory = memory
-                return True
+        if 8 * len(memory) <= self._capacity_bits:
+            for index in self._indices.get(tag_id, ()):
+                tag = self._tags[index]
+                if np.hypot(tag.x_m - x_m, tag.y_m - y_m) <= WRITE_REACH_M or reaches(index):
+                    tag.memory = memory
+                    return True
         self.refused_writes += 1
         return False
+
+    def _changed(self) -> None:
+        self._places = np.array([(tag.x_m, tag.y_m) for tag in self._tags])
+        self._on = np.array([tag.on for tag in self._tags])
+        self.version += 1
 
 
 class Magazine:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import tempfile
 import time
 from contextlib import ExitStack
@@ -10,7 +11,16 @@ from typing import Annotated
 
 import typer
 
-from server.cli.options import finite
+from server.cli.options import (
+    EnvironmentOption,
+    Memory,
+    MemoryOption,
+    SlamOption,
+    Tags,
+    TagsInPlaceOption,
+    TagsOption,
+    finite,
+)
 from server.cli.serve import DataOption, HostOption, PortOption, address, make_settings, run_server
 
 
@@ -21,6 +31,12 @@ def demo(
     minutes: Annotated[float, typer.Option(metavar="M", help="Length of the mission.")] = 60.0,
     seed: Annotated[int, typer.Option(metavar="S", help="The same seed gives the same building.")] = 7,
     speed: Annotated[float, typer.Option(metavar="N", help="Times real time.")] = 1.0,
+    tags: TagsOption = Tags.NEAR,
+    environment: EnvironmentOption = "open",
+    tags_in_place: TagsInPlaceOption = 0,
+    slam: SlamOption = None,
+    memory: MemoryOption = Memory.NONE,
+    fires: Annotated[int, typer.Option(metavar="N", help="Fires; active nodes near them tell.")] = 0,
     host: HostOption = None,
     port: PortOption = None,
     data: DataOption = None,
@@ -32,7 +48,21 @@ def demo(
     """
     finite("--minutes", minutes, above=0.0)
     finite("--speed", speed, above=0.0)
-    scenario = _checked_scenario(map_spec, robots, minutes, seed, victims)
+    scenario = _checked_scenario(
+        {
+            "map": map_spec,
+            "robots": robots,
+            "minutes": minutes,
+            "seed": seed,
+            "victims": victims,
+            "tags": tags.value,
+            "environment": environment,
+            "tags-in-place": tags_in_place,
+            "memory": memory.value,
+            "fires": fires,
+        }
+        | ({"slam": slam} if slam else {})
+    )
     with ExitStack() as stack:
         folder = data or Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="waymark-demo-")))
         settings = make_settings(host=host, port=port, data_dir=folder, database=str(folder / "waymark.db"))
@@ -44,16 +74,18 @@ def demo(
         run_server(settings)
 
 
-def _checked_scenario(map_spec: str, robots: int, minutes: float, seed: int, victims: int) -> list[str]:
+def _checked_scenario(values: dict[str, object]) -> list[str]:
     """Return the scenario as arguments for the team's process, having made sure that it can be played."""
-    from robots.sim.scenario import ScenarioConfig, ScenarioError, build_world
+    from robots.sim.arguments import add_scenario_arguments, scenario_from_arguments
+    from robots.sim.scenario import ScenarioError, build_world
     from robots.sim.world import WorldError
     from server.cli.console import CommandError
 
+    words = [word for name, value in values.items() for word in (f"--{name}", str(value))]
+    parser = argparse.ArgumentParser(exit_on_error=False)
+    add_scenario_arguments(parser)
     try:
-        config = ScenarioConfig(map=map_spec, robots=robots, minutes=minutes, seed=seed, victims=victims)
-        build_world(config)
-    except (ScenarioError, WorldError) as error:
+        build_world(scenario_from_arguments(parser.parse_args(words)))
+    except (argparse.ArgumentError, ScenarioError, WorldError) as error:
         raise CommandError(str(error)) from error
-    values = {"map": map_spec, "robots": robots, "minutes": minutes, "seed": seed, "victims": victims}
-    return [word for name, value in values.items() for word in (f"--{name}", str(value))]
+    return words

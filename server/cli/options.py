@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
@@ -14,6 +15,46 @@ from server.cli.console import CommandError
 JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout and nothing else.")]
 OutOption = Annotated[
     Path | None, typer.Option(metavar="DIR", help="Write trajectories, tags.csv, map.png and map.yaml there.")
+]
+_TAGS = "Tags and radios"
+
+
+class Tags(StrEnum):
+    """The hardware of the tags."""
+
+    NEAR = "near"
+    UHF = "uhf"
+    NODE = "node"
+
+
+class Memory(StrEnum):
+    """What robots leave in the tags beside coverage."""
+
+    NONE = "none"
+    TAGS = "tags"
+
+
+TagsOption = Annotated[
+    Tags,
+    typer.Option(help="Read from above, by radio in sight to 4 m, or active to 35 m.", rich_help_panel=_TAGS),
+]
+EnvironmentOption = Annotated[
+    str,
+    typer.Option(metavar="NAME", help="open, office1, office2, grocery or retail.", rich_help_panel=_TAGS),
+]
+TagsInPlaceOption = Annotated[
+    int, typer.Option(metavar="N", help="Tags in place at the start.", rich_help_panel=_TAGS)
+]
+SlamOption = Annotated[
+    str | None,
+    typer.Option(
+        metavar="[ROBOT=]KIND,...",
+        help="Kind of SLAM: of all robots, or of each, as in r1=odometry,tag-graph.",
+        rich_help_panel=_TAGS,
+    ),
+]
+MemoryOption = Annotated[
+    Memory, typer.Option(help="Whether robots leave maps of tags in the tags.", rich_help_panel=_TAGS)
 ]
 
 

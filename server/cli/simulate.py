@@ -10,7 +10,19 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from server.cli.console import CommandError, print_json, print_table, progress
-from server.cli.options import JsonOption, OutOption, check_writable, finite
+from server.cli.options import (
+    EnvironmentOption,
+    JsonOption,
+    Memory,
+    MemoryOption,
+    OutOption,
+    SlamOption,
+    Tags,
+    TagsInPlaceOption,
+    TagsOption,
+    check_writable,
+    finite,
+)
 
 if TYPE_CHECKING:
     from robots.sim.runner import SimulationResult
@@ -56,6 +68,18 @@ def simulate(
     bricks: Annotated[int, _count("Bricks below the laser's plane.")] = 0,
     smoke: Annotated[int, _count("Clouds of smoke.")] = 0,
     ramps: Annotated[int, _count("Ramps.")] = 0,
+    fires: Annotated[int, _count("Fires that start and grow.")] = 0,
+    dead_tags: Annotated[int, _count("Tags in place whose radio is dead,")] = 0,
+    switched_tags: Annotated[int, _count("is off for a while,")] = 0,
+    moved_tags: Annotated[int, _count("that are carried off,")] = 0,
+    knocked_tags: Annotated[int, _count("that are knocked over,")] = 0,
+    twin_tags: Annotated[int, _count("whose id another bears too.")] = 0,
+    spikes: Annotated[int, _count("Of a thousand readings of a radio that are far off.")] = 0,
+    tags: TagsOption = Tags.NEAR,
+    environment: EnvironmentOption = "open",
+    tags_in_place: TagsInPlaceOption = 0,
+    slam: SlamOption = None,
+    memory: MemoryOption = Memory.NONE,
     laser_beams: Annotated[int, _sensor("N", "Beams of the laser.")] = 240,
     laser_range: Annotated[float, _sensor("METRES", "Range of the laser.")] = 4.0,
     laser_view: Annotated[float, _sensor("DEGREES", "Field of view of the laser.")] = 240.0,
@@ -84,9 +108,10 @@ def simulate(
 
     Step times are those of steps with a laser scan; step_hz counts all steps over the whole run.
     """
+    from robots.config import AgentConfig
     from robots.sim.arguments import parse_radio_cut
     from robots.sim.hostile import HostileConfig
-    from robots.sim.scenario import ScenarioConfig, ScenarioError
+    from robots.sim.scenario import ScenarioConfig, ScenarioError, parse_slam
     from robots.sim.sensors import LaserConfig
     from robots.sim.world import WorldError
 
@@ -104,13 +129,30 @@ def simulate(
             victims=victims,
             start=start.value,
             radio_cuts=tuple(parse_radio_cut(text) for text in radio_cut or ()),
-            hostile=HostileConfig(glass=glass, bricks=bricks, smoke=smoke, ramps=ramps),
+            hostile=HostileConfig(
+                glass=glass,
+                bricks=bricks,
+                smoke=smoke,
+                ramps=ramps,
+                spikes=spikes,
+                dead_tags=dead_tags,
+                switched_tags=switched_tags,
+                moved_tags=moved_tags,
+                knocked_tags=knocked_tags,
+                twin_tags=twin_tags,
+                fires=fires,
+            ),
             laser=LaserConfig(radians(laser_view), laser_beams, laser_range),
             laser_hz=laser_hz,
             imu=not no_imu,
             compass_off_rad=radians(compass_off),
             sonars=sonars,
             infrareds=infrareds,
+            tags=tags.value,
+            environment=environment,
+            tags_in_place=tags_in_place,
+            slam=parse_slam(slam) if slam else (),
+            agent_config=AgentConfig(map_memory=memory is Memory.TAGS),
         )
         outcome = play(config)
     except (ScenarioError, WorldError) as error:

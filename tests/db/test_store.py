@@ -180,7 +180,7 @@ def test_tags_and_every_version_of_their_memory(story) -> None:
 def test_what_people_said_of_a_victim_outlives_new_measurements(story) -> None:
     def victim(x_m: float, **said: str) -> VictimRecord:
         place = PointRecord(x_m, 0.0, 0.1, 0.0, 0.1)
-        return VictimRecord("1", place, 0.9, 3, ("r1",), 1.0, 2.0, **said)  # type: ignore[arg-type]
+        return VictimRecord("1", place, 0.9, 3, ("r1",), 1.0, 2.0, **said)
 
     async def first(store: Store) -> None:
         await store.findings.record_victims(M, [victim(1.0)])

@@ -121,7 +121,7 @@ async def receive_until(
 
 
 def run(story: Callable[[], Awaitable[None]]) -> None:
-    asyncio.run(story())  # type: ignore[arg-type]
+    asyncio.run(story())
 
 
 def test_the_scene_arrives_layer_by_layer(site: Site) -> None:
@@ -192,7 +192,7 @@ def test_only_known_messages_reach_viser(site: Site) -> None:
         heard.append(type(message).__name__)
         await handle(client_id, message)
 
-    running._websock_server._handle_incoming_message = listen  # type: ignore[method-assign]
+    running._websock_server._handle_incoming_message = listen
     forbidden = [
         msgspec.msgpack.encode({"type": "ShareUrlRequest"}),
         camera("SceneNodeClickMessage"),

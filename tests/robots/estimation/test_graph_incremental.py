@@ -50,8 +50,8 @@ def grown(problem: GraphProblem, groups: list[int], **options: float) -> Increme
             graph.update()
     graph.update()
     # edges and tags as the problem numbers them
-    graph.edge_order = np.argsort(added)  # type: ignore[attr-defined]
-    graph.order = [tags[k] for k in range(len(problem.tags))]  # type: ignore[attr-defined]
+    graph.edge_order = np.argsort(added)
+    graph.order = [tags[k] for k in range(len(problem.tags))]
     return graph
 
 
@@ -59,7 +59,7 @@ def assert_same(graph: IncrementalGraph, problem: GraphProblem, atol: float) -> 
     best = solve(problem, max_iterations=100)
     np.testing.assert_allclose(graph.poses[:, :2], best.poses[:, :2], atol=atol)
     np.testing.assert_allclose(wrap_array(graph.poses[:, 2] - best.poses[:, 2]), 0.0, atol=atol)
-    np.testing.assert_allclose(graph.tags[graph.order], best.tags, atol=atol)  # type: ignore[attr-defined]
+    np.testing.assert_allclose(graph.tags[graph.order], best.tags, atol=atol)
 
 
 def walk(rng: np.random.Generator, count: int, noise: float = 1.0) -> tuple[GraphProblem, np.ndarray]:

@@ -226,7 +226,7 @@ def wandered(scenario: ScenarioConfig, way_m: float) -> tuple[np.ndarray, np.nda
     Returns their errors (n, 3) against the true poses and the covariances the tracker gives them.
     """
     simulation = Simulation(scenario)
-    tracker = PoseTracker(scenario.agent_for, simulation.starts[0].theta if scenario.imu else 0.0)
+    tracker = PoseTracker(scenario.agent_of("r1"), simulation.starts[0].theta if scenario.imu else 0.0)
     anchor, anchor_m, turning = simulation.starts[0], 0.0, 0
     errors, covariances = [], []
     for _ in range(scenario.periods):

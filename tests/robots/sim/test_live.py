@@ -86,7 +86,7 @@ def test_robots_register_with_what_the_scenario_says(control):
     assert control.missions["m"]["name"] == "Drill"
     body = control.robots["r2"]
     assert body["config"] == {"body": {"max_speed_mps": 0.3}, "poses": "truth", "seed": 2}
-    assert override(AgentConfig(), body["config"]) == config.agent_for
+    assert override(AgentConfig(), body["config"]) == config.agent_of("r1")
     assert body["silence"] == {"after_s": 2.0, "policy": "hold"}
     assert set(body["start_pose"]) == {"x_m", "y_m", "yaw_rad", "sd_m", "sd_rad"}
 

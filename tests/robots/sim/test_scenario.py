@@ -5,9 +5,11 @@ from math import nan
 import numpy as np
 import pytest
 
+from robots.config import AgentConfig, RadioConfig
+from robots.estimation.radio import radio_for
 from robots.sim.arguments import add_scenario_arguments, parse_radio_cut, scenario_from_arguments
 from robots.sim.hostile import HostileConfig
-from robots.sim.scenario import RadioCut, ScenarioConfig, ScenarioError, build_world
+from robots.sim.scenario import RadioCut, ScenarioConfig, ScenarioError, build_world, parse_slam
 from robots.sim.sensors import LaserConfig
 from robots.sim.world import WorldError
 
@@ -16,7 +18,7 @@ def test_derived_values():
     config = ScenarioConfig(robots=3, minutes=2.0, seed=7, poses="truth")
     assert config.robot_ids == ("r1", "r2", "r3")
     assert (config.ticks_per_period, config.period_s, config.periods) == (4, 0.2, 600)
-    assert (config.agent_for.poses, config.agent_for.seed) == ("truth", 7)
+    assert (config.agent_of("r1").poses, config.agent_of("r1").seed) == ("truth", 7)
     assert replace(config, laser_hz=10.0).ticks_per_period == 2
 
 
@@ -31,6 +33,11 @@ def test_derived_values():
         ({"hostile": HostileConfig(smoke=-1)}, "hostile.smoke -1"),
         ({"radio_cuts": (RadioCut("r9", 0.0, 1.0),)}, "there is no robot r9"),
         ({"radio_cuts": (RadioCut("r1", 5.0, 1.0),)}, "has to end after it starts"),
+        ({"tags": "lidar"}, "tags: 'lidar' is unknown; use one of near, uhf, node"),
+        ({"environment": "cave"}, "environment: 'cave' is unknown; use one of grocery"),
+        ({"tags_in_place": 3000}, "tags_in_place 3000"),
+        ({"slam": (("r9", "odometry"),)}, "slam: there is no robot r9; robots are r1 to r4"),
+        ({"slam": (("r1", "magic"),)}, "slam: 'magic' is unknown; use one of tag-graph"),
     ],
 )
 def test_what_cannot_be_played_is_named(changes, says):
@@ -72,3 +79,29 @@ def test_arguments_describe_a_scenario():
     assert (config.hostile.glass, config.laser.beams) == (3, 90)
     with pytest.raises(ScenarioError, match="ROBOT:FROM:TO"):
         parse_radio_cut("r2:60")
+
+
+def test_each_robot_is_told_its_kind_of_slam_and_its_radio():
+    slam = parse_slam("r1=odometry, tag-graph")
+    config = ScenarioConfig(robots=3, tags="node", environment="office2", slam=slam)
+    assert [config.agent_of(robot_id).slam for robot_id in config.robot_ids] == [
+        "odometry",
+        "tag-graph",
+        "tag-graph",
+    ]
+    assert config.agent_of("r2").radio == radio_for("node", "office2")
+    assert replace(config, tags="near").agent_of("r2").radio == RadioConfig()
+    own = AgentConfig(radio=RadioConfig(path_loss_exponent=1.4))
+    assert replace(config, agent_config=own).agent_of("r2").radio == own.radio
+
+
+def test_tags_hold_what_their_kind_holds_unless_told_otherwise():
+    assert ScenarioConfig().memory_bits == 2048
+    assert ScenarioConfig(tags="node").memory_bits > 2048
+    assert ScenarioConfig(tags="node", tag_bits=0).memory_bits == 0
+
+
+@pytest.mark.parametrize("text", ["", "r1=", "=odometry", "odometry,tag-graph", "r1=odometry,r1=tag-graph"])
+def test_slam_that_is_none(text):
+    with pytest.raises(ScenarioError, match="slam"):
+        parse_slam(text)

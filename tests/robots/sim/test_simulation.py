@@ -61,7 +61,7 @@ def test_robots_do_not_disturb_one_anothers_noise():
 
 def test_without_noise_encoders_give_the_true_path():
     config = replace(SMALL, noise_level=0, map="open:300", robots=1)
-    track = config.agent_for.body.track_width_m
+    track = config.agent_of("r1").body.track_width_m
     pose = None
     commands = [Command(0.5, 0.0), Command(0.2, 1.4), Command(0.0, -1.5), Command(0.4, -0.4)]
     simulation, log = play(config, lambda k, b: {name: Order(commands[k // 5 % 4]) for name in b}, 60)
@@ -115,7 +115,7 @@ def test_tags_are_dropped_read_and_written():
     simulation.apply({"r1": Order(Command(drop_tag=True))})
     seen = [o for o in simulation.advance()["r1"] if o.tag_sightings]
     assert [sighting.tag_id for sighting in seen[0].tag_sightings] == ["r1-001"]
-    assert seen[0].tags_left == simulation.config.agent_for.deployment.magazine - 1
+    assert seen[0].tags_left == simulation.config.agent_of("r1").deployment.magazine - 1
     simulation.apply(
         {
             "r1": Order(Command(writes=(TagWrite("r1-001", b"hello"),))),
@@ -153,3 +153,21 @@ def test_the_map_frame_is_north_up_with_an_imu_and_else_the_start_pose():
     blind = Simulation(replace(SMALL, start="spread", imu=False))
     assert blind.world_from_map("r2") == blind.starts[1]
     assert blind.advance()["r2"][0].imu is None
+
+
+@pytest.mark.parametrize("tags", ["uhf", "node"])
+def test_radio_tags_are_heard_the_same_each_time_whoever_else_drives(tags):
+    config = replace(SMALL, map="open:400", start="spread", tags=tags, tags_in_place=30)
+    both, again = (play(config, everyone(AHEAD), 25)[1] for _ in range(2))
+    alone = play(config, lambda _k, batches: {"r1": Order(AHEAD)}, 25)[1]
+    heard = [s for batches in both for o in batches["r1"] for s in o.tag_sightings]
+    assert sum(s.rssi_dbm is not None for s in heard) > 20
+    for other in (again, alone):
+        assert [encode(o) for b in both for o in b["r1"]] == [encode(o) for b in other for o in b["r1"]]
+
+
+def test_only_robots_with_slam_over_floor_tags_read_them_from_above():
+    config = replace(SMALL, robots=1, tags="node")  # stands on the base tag
+    _, log = play(config, everyone(Command()), 2)
+    read = [s for batches in log for o in batches["r1"] for s in o.tag_sightings]
+    assert {s.tag_id for s in read if s.under_antenna} == {"BASE"}

@@ -79,7 +79,7 @@ def test_a_clock_that_runs_backwards_is_refused(line, drive):
         ({"tag_sightings": [{"tag_id": "a b"}]}, "tag_sightings.0.tag_id"),
         ({"tag_sightings": [{"tag_id": "A", "memory": "%"}]}, "tag_sightings.0.memory"),
         ({"tag_sightings": [{"tag_id": "A"}] * 257}, "tag_sightings"),
-        ({"tag_sightings": [{"tag_id": "A", "range_m": 1.0}]}, "tag_sightings.0"),
+        ({"tag_sightings": [{"tag_id": "A", "bearing_rad": 1.0}]}, "tag_sightings.0"),
         (
             {"tag_sightings": [{"tag_id": "A", "range_m": 1001.0, "bearing_rad": 0.0}]},
             "tag_sightings.0.range_m",

@@ -101,6 +101,9 @@ def test_true_poses_leave_no_error(capsys):
         (["--map", "office:nan"], "office"),
         (["--map", "absent.yaml"], "absent.yaml"),
         (["--radio-cut", "r2"], "give ROBOT:FROM:TO"),
+        (["--environment", "cave"], "environment: 'cave' is unknown"),
+        (["--slam", "r1=magic"], "slam: 'magic' is unknown"),
+        (["--slam", "r7=odometry"], "slam: there is no robot r7"),
     ],
 )
 def test_what_cannot_be_simulated_ends_in_one_sentence(capsys, options, words):
