@@ -291,7 +291,9 @@ class AgentConfig:
     victims: VictimConfig = field(default_factory=VictimConfig)
     planning: PlanningConfig = field(default_factory=PlanningConfig)
     poses: Literal["slam", "truth"] = "slam"  # "truth": odometry is exact; nothing is estimated (experiments)
-    slam: Literal["tag-graph", "odometry", "rslam"] = "tag-graph"  # "odometry": tags are noted, the graph never solved
+    slam: Literal["tag-graph", "odometry", "rslam"] = (
+        "tag-graph"  # "odometry": tags are noted, the graph never solved
+    )
     map_memory: bool = False  # leave maps of tags in the tags' memories, and use those that others left
     seed: int = 0
 

@@ -85,6 +85,7 @@ class MrclamRecording:
     landmarks: dict[str, tuple[float, float]]
     name: str = "mrclam"
     truth_gap_s: float = 0.5
+    range_only: bool = False  # leave out bearings, and with them the other robots
 
     @property
     def robots(self) -> tuple[str, ...]:
@@ -94,11 +95,11 @@ class MrclamRecording:
     @property
     def settings(self) -> dict[str, Any]:
         """Overrides of ``AgentConfig`` for this hardware."""
-        return _SETTINGS
+        return _SETTINGS | {"slam": "rslam"} if self.range_only else _SETTINGS
 
     def settings_of(self, robot_id: str) -> dict[str, Any]:
         """Return the same: the robots are alike."""
-        return _SETTINGS
+        return self.settings
 
     def start_pose(self, robot_id: str) -> StartPose | None:
         """Return nothing: the map begins where the robot did."""
@@ -132,17 +133,17 @@ class MrclamRecording:
                 seq=seq,
                 stamp_s=float(stamp),
                 odometry=Displacement(*(float(value) for value in motion)),
-                tag_sightings=tuple(
-                    TagSighting(f"L{seen.subjects[k]}", b"", *_place(seen, k))
-                    for k in here
-                    if seen.subjects[k] not in _ROBOTS
-                ),
+                tag_sightings=tuple(self._sighting(seen, k) for k in here if seen.subjects[k] not in _ROBOTS),
                 robot_sightings=tuple(
                     RobotSighting(f"r{seen.subjects[k]}", *_place(seen, k))
                     for k in here
-                    if seen.subjects[k] in _ROBOTS
+                    if seen.subjects[k] in _ROBOTS and not self.range_only
                 ),
             )
+
+    def _sighting(self, seen: _Sightings, k: int) -> TagSighting:
+        range_m, bearing = _place(seen, k)
+        return TagSighting(f"L{seen.subjects[k]}", b"", range_m, None if self.range_only else bearing)
 
 
 def load(path: Path, virtual_tags_m: float | None = None) -> MrclamRecording:

@@ -1,12 +1,12 @@
 """CMU Plaza (Djugash, Singh and Corke 2009): a mower among radio nodes that tell their range, as a folder.
 
-``*_DR.txt`` rows of stamp, distance driven (m) and angle turned (rad) since the row before; ``*_TD.txt`` rows
-of stamp, antenna, node and range (m). The ``*.mat`` beside them is the truth, read for comparison alone: ``GT``
-(n, 4) stamp, x, y, heading; ``TL`` (k, 3) node, x, y. Stamps are seconds of one clock.
+``*_DR.txt`` rows of stamp, distance driven (m) and angle turned (rad) since the row before; ``*_TD.txt``
+rows of stamp, antenna, node and range (m). The ``*.mat`` beside them is the truth, read for comparison alone:
+``GT`` (n, 4) stamp, x, y, heading; ``TL`` (k, 3) node, x, y. Stamps are seconds of one clock.
 
-Measured against the truth, and so taken for properties of the hardware: over 5 m the wheels err by 0.12 m along
-and 0.12 m across the way, the gyro by next to nothing; ranges scatter by 0.55 m whatever the distance, from one
-to the next independently. By how much they are too long the filter has to find out.
+Measured against the truth, and so taken for properties of the hardware: over 5 m the wheels err by 0.12 m
+along and 0.12 m across the way, the gyro by next to nothing; ranges scatter by 0.55 m whatever the distance,
+from one to the next independently. By how much they are too long the filter has to find out.
 """
 
 from __future__ import annotations
@@ -98,7 +98,7 @@ class PlazaRecording:
     def observations(self, robot_id: str) -> Iterator[Observation]:
         """Yield one observation at each row of either file; a range goes with the motion up to its stamp."""
         for seq, (stamp, motion, row) in enumerate(zip(self.stamps, self.motions, self.heard, strict=True)):
-            heard = ()
+            heard: tuple[TagSighting, ...] = ()
             if row >= 0:
                 heard = (TagSighting(f"N{self.nodes[int(row)]:.0f}", range_m=float(self.ranges_m[int(row)])),)
             yield Observation(
@@ -113,8 +113,8 @@ def load(path: Path, virtual_tags_m: float | None = None) -> PlazaRecording:
     """Read the recording in a folder. Rows that were logged out of order go where their stamp says.
 
     Raises:
-        RecordingError: a file is missing, more than one fits, or one has another shape or impossible values; or
-            virtual tags are wanted where there are real ones.
+        RecordingError: a file is missing, more than one fits, or one has another shape or impossible values;
+            or virtual tags are wanted where there are real ones.
     """
     if virtual_tags_m is not None:
         raise RecordingError("plaza has radio nodes for tags; leave the virtual ones out")
@@ -147,7 +147,9 @@ def _rows(path: Path, columns: int) -> Array:
     except (OSError, ValueError) as error:
         raise RecordingError(f"{path} is no table of numbers: {error}") from error
     if rows.shape[1:] != (columns,) or not len(rows):
-        raise RecordingError(f"{path} has {rows.shape[-1]} columns and {len(rows)} rows, not {columns} columns")
+        raise RecordingError(
+            f"{path} has {rows.shape[-1]} columns and {len(rows)} rows, not {columns} columns"
+        )
     if not np.isfinite(rows).all():
         raise RecordingError(f"{path} holds a value that is not finite")
     return rows[np.argsort(rows[:, 0], kind="stable")]

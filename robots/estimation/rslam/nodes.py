@@ -1,20 +1,22 @@
-"""The nodes that particles know: ranges gathered until the place shows, then filters of one place or of two."""
+"""The nodes that particles know: ranges until the place shows, then filters of one place or of two."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 
 from robots.config import RangeSlamConfig
 from robots.estimation.rslam.particles import copy_columns
 from robots.estimation.rslam.places import vote
-from robots.estimation.rslam.range_kernels import ROWS, age_offset, correct, innovations, settle
+from robots.estimation.rslam.range_kernels import ROWS, WORK_ROWS, age_offset, correct, innovations, settle
 from robots.se2 import Array
 from robots.types import IntArray
 
 _GATHERED = 32  # ranges kept of a node without a place
 _FEWEST = 4  # that make a place
+_LONGER = 1.3  # than the way between them: by so much two ranges may differ
 _GONE = 1e-3  # a place with a smaller share is given up
 
 
@@ -36,16 +38,28 @@ class Gathered:
         self.ranges_m.append(range_m)
         self.sds_m.append(sd_m)
         self.mean_antennas.append(here)
-        self.antennas.append(antennas)
+        self.antennas.append(antennas.copy())
         if len(self.ranges_m) > _GATHERED:  # every other one, from now on twice as far apart
             self.spacing_m = 2.0 * max(self.spacing_m, sd_m)
             for kept in (self.ranges_m, self.sds_m, self.mean_antennas, self.antennas):
                 del kept[1::2]
         return True
 
+    def believed(self) -> NDArray[np.bool_]:
+        """Tell which ranges, (k,), are in keeping with at least half of the others.
+
+        Two ranges of one node differ by no more than the way between where they were measured.
+        """
+        places, ranges, sds = np.array(self.mean_antennas), np.array(self.ranges_m), np.array(self.sds_m)
+        way = np.hypot(*(places[:, None] - places[None]).T)
+        slack = 3.0 * np.hypot(sds[:, None], sds[None])
+        agree = np.abs(ranges[:, None] - ranges[None]) <= _LONGER * way + slack
+        kept: NDArray[np.bool_] = agree.sum(axis=1) > len(ranges) / 2
+        return kept
+
 
 class Node:
-    """One node: its ranges while it has no place; blocks of filters, and in each particle the places' shares."""
+    """One node: its ranges while it has no place, then a block of filters for each place it may have."""
 
     def __init__(self) -> None:
         self.gathered = Gathered()
@@ -79,23 +93,27 @@ class Node:
             log-likelihoods (M,) of the ranges; None while the place is open.
         """
         gathered = self.gathered
-        if len(gathered.ranges_m) < _FEWEST:
+        believed = gathered.believed()
+        if believed.sum() < _FEWEST:
             return None
-        ranges, sds = np.array(gathered.ranges_m), np.array(gathered.sds_m)
+        ranges, sds = np.array(gathered.ranges_m)[believed], np.array(gathered.sds_m)[believed]
+        mean_antennas = np.array(gathered.mean_antennas)[believed]
         mean = float(scales[0] @ weights)
         spread = float(np.sqrt(weights @ ((scales[0] - mean) ** 2 + scales[1])))
-        found = vote(np.array(gathered.mean_antennas), ranges, sds, (mean, spread), config.offset_sd_m)
+        found = vote(mean_antennas, ranges, sds, (mean, spread), config.offset_sd_m)
         if not found:
             return None
-        antennas = np.ascontiguousarray(np.array(gathered.antennas))
+        antennas = np.array(gathered.antennas)[believed]
         offset_variance = config.offset_sd_m**2
         starts = [(each.x_m, each.y_m) for each in found]
         while True:
             evidence = np.empty((len(starts), scales.shape[1]))
             self.blocks = [np.empty((ROWS, scales.shape[1])) for _ in starts]
             for start, block, fits in zip(starts, self.blocks, evidence, strict=True):
-                settle(block, scales, antennas, ranges, sds**2, start, offset_variance, fits, len(starts) == 1)
-            if len(starts) == 1 or not _are_one(*self.blocks, scales, weights):
+                settle(
+                    block, scales, antennas, ranges, sds**2, start, offset_variance, fits, len(starts) == 1
+                )
+            if len(starts) == 1 or not _are_one(self.blocks[0], self.blocks[1], scales, weights):
                 break
             del starts[1]
         self.gathered = Gathered()
@@ -104,38 +122,32 @@ class Node:
         return total
 
     def see(
-        self,
-        scales: Array,
-        poses: Array,
-        antenna: tuple[float, float],
-        range_m: float,
-        variance: float,
-        outliers: tuple[float, float],
+        self, scales: Array, antennas: Array, range_m: float, variance: float, outliers: tuple[float, float]
     ) -> tuple[list[Array], Array]:
-        """Return the innovations of each place, (4, M), and the log-likelihoods (M,) over all places."""
+        """Return the innovations of each place, (9, M), and the log-likelihoods (M,) over all places."""
         works = []
         for block in self.blocks:
-            work = np.empty((4, poses.shape[1]))
-            innovations(block, scales, poses, antenna, range_m, variance, outliers, work)
+            work = np.empty((WORK_ROWS, antennas.shape[1]))
+            innovations(block, scales, antennas, range_m, variance, outliers, work)
             works.append(work)
         if len(works) == 1:
             return works, works[0][2]
         joint = self.log_shares + np.array([work[2] for work in works])
         return works, np.logaddexp.reduce(joint, axis=0)
 
-    def correct(
-        self, scales: Array, poses: Array, antenna: tuple[float, float], variance: float, works: list[Array], total: Array
-    ) -> None:
-        """Correct each place by its innovations, and their shares; with two places the scale is not touched."""
+    def correct(self, scales: Array, works: list[Array], total: Array) -> None:
+        """Correct each place by its innovations, and their shares; of two places none teaches the scale."""
         alone = len(self.blocks) == 1
         for block, work in zip(self.blocks, works, strict=True):
-            correct(block, scales, poses, antenna, variance, work, alone)
+            correct(block, scales, work, alone)
         if not alone:
             self.log_shares += np.array([work[2] for work in works]) - total
 
     def fit(self, works: list[Array], weights: Array) -> float:
         """Return how probable it is that a range with these innovations is no outlier."""
-        shares = np.exp(self.log_shares) if len(works) > 1 else np.ones((1, len(weights)))
+        if len(works) == 1:
+            return float(works[0][3] @ weights)
+        shares = np.exp(self.log_shares)
         return float(sum((share * work[3]) @ weights for share, work in zip(shares, works, strict=True)))
 
     def settle_mirror(self, weights: Array) -> None:

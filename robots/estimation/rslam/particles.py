@@ -27,7 +27,7 @@ class Particles:
     @property
     def count(self) -> int:
         """How many there are."""
-        return self.poses.shape[1]
+        return len(self.weights)
 
     @property
     def effective(self) -> float:
@@ -68,7 +68,7 @@ class Particles:
 
         Whoever is drawn stays in place, so only the others have to be copied.
         """
-        ancestors = _systematic(self.weights, float(self._generator.uniform()))
+        ancestors: IntArray = _systematic(self.weights, float(self._generator.uniform()))
         copy_columns(self.poses, ancestors)
         self.weights[:] = 1.0 / self.count
         self._log_weights[:] = 0.0
@@ -78,7 +78,7 @@ class Particles:
 
 @njit(cache=True)
 def copy_columns(rows: Array, ancestors: IntArray) -> None:
-    """Let column k of (r, M) be what column ``ancestors[k]`` was, where ancestors stand in their own column."""
+    """Let column k of (r, M) be what ``ancestors[k]`` was; ancestors stand in columns of their own."""
     for p in range(len(ancestors)):
         q = ancestors[p]
         if q != p:

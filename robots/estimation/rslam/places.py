@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import exp, hypot, log
+from math import exp, hypot, log, sqrt
 
 import numpy as np
 from numba import njit
@@ -45,7 +45,9 @@ def vote(
     if (high <= low).any():
         return ()
     size = (high - low) / _CELLS
-    votes = _votes(antennas, ranges_m, sds_m, low, size, mean, sd, offset_sd_m)
+    votes, misfit = _votes(antennas, ranges_m, sds_m, low, size, mean, sd, offset_sd_m)
+    if misfit > len(ranges_m) + 4.0 * sqrt(2.0 * len(ranges_m)):  # chi-square: they agree nowhere
+        return ()
     found: list[Candidate] = []
     for _ in range(2):
         row, column = np.unravel_index(np.argmax(votes), votes.shape)
@@ -61,11 +63,18 @@ def vote(
 
 @njit(cache=True)
 def _votes(
-    antennas: Array, ranges: Array, sds: Array, low: Array, size: Array, scale: float, scale_sd: float, offset_sd: float
-) -> Array:
-    """Return the probability of each cell, offset and scale taken together with it (Woodbury)."""
+    antennas: Array,
+    ranges: Array,
+    sds: Array,
+    low: Array,
+    size: Array,
+    scale: float,
+    scale_sd: float,
+    offset_sd: float,
+) -> tuple[Array, float]:
+    """Return the probability of each cell, whatever offset and scale are (Woodbury), and the least chi2."""
     votes = np.empty((_CELLS, _CELLS))
-    top = -np.inf
+    top, misfit = -np.inf, np.inf
     blur = (size[0] * size[0] + size[1] * size[1]) / 12.0
     for i in range(_CELLS):
         for j in range(_CELLS):
@@ -85,6 +94,7 @@ def _votes(
                 f += w * v * d
             det = a * c - b * b
             cost -= (c * e * e - 2.0 * b * e * f + a * f * f) / det
+            misfit = min(misfit, cost)
             votes[i, j] = -0.5 * (cost + log(det))
             top = max(top, votes[i, j])
     total = 0.0
@@ -92,7 +102,7 @@ def _votes(
         for j in range(_CELLS):
             votes[i, j] = exp(votes[i, j] - top)
             total += votes[i, j]
-    return votes / total
+    return votes / total, misfit
 
 
 @njit(cache=True)

@@ -1,18 +1,18 @@
 """One range against one node in every particle (Sun 2009 eq. 2 to 9), with what the radio adds to ranges.
 
     z = s d + o + noise,    d = |b - r|
-with the node's place b, its offset o and a scale s common to all nodes. Given a particle's path *and s* the nodes
-are independent, so a particle keeps of each node the Gaussian of m = (b_x, b_y, o) given s,
+with the node's place b, its offset o and a scale s common to all nodes. Given a particle's path *and s* the
+nodes are independent, so a particle keeps of each node the Gaussian of m = (b_x, b_y, o) given s,
     m | s ~ N(a + B s, P),
 and a Gaussian of s beside them. That is the exact joint Gaussian of all nodes and s, at the cost of one node.
 
-A filter of a node is a block (12, M): a_x, a_y, a_o, B_x, B_y, B_o, P_xx, P_xy, P_yy, P_xo, P_yo, P_oo. Particles'
-poses are (3, M), their scales (2, M) mean and variance.
+A filter of a node is a block (12, M): a_x, a_y, a_o, B_x, B_y, B_o, P_xx, P_xy, P_yy, P_xo, P_yo, P_oo.
+Particles' scales are (2, M), mean and variance.
 """
 
 from __future__ import annotations
 
-from math import cos, exp, hypot, log, pi, sin, sqrt
+from math import exp, hypot, log, log1p, pi, sqrt
 
 import numpy as np
 from numba import njit
@@ -20,6 +20,7 @@ from numba import njit
 from robots.se2 import Array
 
 ROWS = 12
+WORK_ROWS = 9
 _NEAREST_M = 0.05
 _HUBER_SD = 3.0
 _LOG_2PI = log(2.0 * pi)
@@ -40,75 +41,60 @@ def age_offset(block: Array, kept: float, gained: float) -> None:
 def innovations(
     block: Array,
     scales: Array,
-    poses: Array,
-    antenna: tuple[float, float],
+    antennas: Array,
     range_m: float,
     variance: float,
     outliers: tuple[float, float],
     work: Array,
 ) -> None:
-    """Write innovation, its variance, its log-likelihood and how much of that is no outlier's, into (4, M).
+    """Write what a range says of a node in each particle into ``work`` (9, M).
 
-    ``outliers``: share of ranges that follow no model, and over how many metres they spread.
+    Its rows: innovation, its variance, log-likelihood, how probably the range is no outlier; and for
+    ``correct`` h_x, h_y, the derivative by the scale, the variance given the scale, and what the range's
+    curvature adds to that. ``antennas`` (2, M): from where it was measured. ``outliers``: share of ranges
+    that follow no model, and over how many metres they spread.
     """
     far = log(outliers[0] / outliers[1])
-    near = log(1.0 - outliers[0])
+    near = log(1.0 - outliers[0]) - 0.5 * _LOG_2PI
     for p in range(block.shape[1]):
-        c, s = cos(poses[2, p]), sin(poses[2, p])
-        rx = poses[0, p] + c * antenna[0] - s * antenna[1]
-        ry = poses[1, p] + s * antenna[0] + c * antenna[1]
         scale = scales[0, p]
-        dx, dy = block[0, p] + block[3, p] * scale - rx, block[1, p] + block[4, p] * scale - ry
-        d = max(hypot(dx, dy), _NEAREST_M)
+        dx = block[0, p] + block[3, p] * scale - antennas[0, p]
+        dy = block[1, p] + block[4, p] * scale - antennas[1, p]
+        d = sqrt(dx * dx + dy * dy + _NEAREST_M * _NEAREST_M)
         ux, uy = dx / d, dy / d
         hx, hy = scale * ux, scale * uy  # (5)
+        xx, xy, yy = block[6, p], block[7, p], block[8, p]
+        xo, yo, oo = block[9, p], block[10, p], block[11, p]
         # the range is a curved function of the place: mean and variance to second order
-        bent = scale * (uy * uy * block[6, p] - 2.0 * ux * uy * block[7, p] + ux * ux * block[8, p]) / d
-        v = range_m - scale * d - block[2, p] - block[5, p] * scale - 0.5 * bent  # (2), (3)
-        px = block[6, p] * hx + block[7, p] * hy + block[9, p]
-        py = block[7, p] * hx + block[8, p] * hy + block[10, p]
-        po = block[9, p] * hx + block[10, p] * hy + block[11, p]
-        given_scale = hx * px + hy * py + po + variance + 0.5 * bent * bent  # (4)
+        bent = 0.5 * scale * (uy * uy * xx - 2.0 * ux * uy * xy + ux * ux * yy) / d
         by_scale = d + hx * block[3, p] + hy * block[4, p] + block[5, p]
-        spread = given_scale + by_scale * by_scale * scales[1, p]
-        fits = near - 0.5 * (v * v / spread + log(spread) + _LOG_2PI)  # (9), with its normaliser
-        top = max(fits, far)
-        total = top + log(exp(fits - top) + exp(far - top))
-        work[0, p], work[1, p], work[2, p], work[3, p] = v, spread, total, exp(fits - total)
+        given_scale = hx * (hx * xx + 2.0 * (hy * xy + xo)) + hy * (hy * yy + 2.0 * yo) + oo + variance
+        work[0, p] = range_m - scale * d - block[2, p] - block[5, p] * scale - bent  # (2), (3)
+        work[1, p] = given_scale + 2.0 * bent * bent + by_scale * by_scale * scales[1, p]  # (4)
+        work[4, p], work[5, p], work[6, p] = hx, hy, by_scale
+        work[7, p], work[8, p] = given_scale, 2.0 * bent * bent
+    for p in range(block.shape[1]):
+        spread = work[1, p]
+        fits = near - 0.5 * (work[0, p] * work[0, p] / spread + log(spread))  # (9), with its normaliser
+        lesser = exp(-abs(far - fits))
+        work[2, p] = max(far, fits) + log1p(lesser)
+        work[3, p] = (1.0 if fits > far else lesser) / (1.0 + lesser)
 
 
 @njit(cache=True)
-def correct(
-    block: Array,
-    scales: Array,
-    poses: Array,
-    antenna: tuple[float, float],
-    variance: float,
-    work: Array,
-    teach_scale: bool,
-) -> None:
+def correct(block: Array, scales: Array, work: Array, teach_scale: bool) -> None:
     """Correct a node, and the scale where ``teach_scale``, by the innovations in ``work``, eq. (6) to (8).
 
     An innovation beyond three deviations counts as a noisier range (Huber).
     """
     for p in range(block.shape[1]):
-        c, s = cos(poses[2, p]), sin(poses[2, p])
-        rx = poses[0, p] + c * antenna[0] - s * antenna[1]
-        ry = poses[1, p] + s * antenna[0] + c * antenna[1]
-        scale = scales[0, p]
-        dx, dy = block[0, p] + block[3, p] * scale - rx, block[1, p] + block[4, p] * scale - ry
-        d = max(hypot(dx, dy), _NEAREST_M)
-        ux, uy = dx / d, dy / d
-        hx, hy = scale * ux, scale * uy
-        bent = scale * (uy * uy * block[6, p] - 2.0 * ux * uy * block[7, p] + ux * ux * block[8, p]) / d
+        scale, v, spread = scales[0, p], work[0, p], work[1, p]
+        hx, hy, by_scale = work[4, p], work[5, p], work[6, p]
         px = block[6, p] * hx + block[7, p] * hy + block[9, p]
         py = block[7, p] * hx + block[8, p] * hy + block[10, p]
         po = block[9, p] * hx + block[10, p] * hy + block[11, p]
-        v, spread = work[0, p], work[1, p]
-        excess = sqrt(v * v / spread) / _HUBER_SD
-        noise = variance + 0.5 * bent * bent + (spread * (excess - 1.0) if excess > 1.0 else 0.0)
-        given_scale = hx * px + hy * py + po + noise
-        by_scale = d + hx * block[3, p] + hy * block[4, p] + block[5, p]
+        excess = max(sqrt(v * v / spread) / _HUBER_SD - 1.0, 0.0)
+        given_scale = work[7, p] + work[8, p] + spread * excess
         kx, ky, ko = px / given_scale, py / given_scale, po / given_scale  # (6)
         # given another scale s', the innovation is v - by_scale (s' - s)
         at_zero = v + by_scale * scale
@@ -126,7 +112,7 @@ def correct(
         block[11, p] -= ko * po
         if teach_scale:
             gain = by_scale * scales[1, p] / (given_scale + by_scale * by_scale * scales[1, p])
-            scales[0, p] += gain * v
+            scales[0, p] = scale + gain * v
             scales[1, p] -= gain * by_scale * scales[1, p]
 
 
@@ -144,9 +130,10 @@ def settle(
 ) -> None:
     """Begin a node in every particle from the ranges it has gathered, by Gauss-Newton from ``start``.
 
-    ``antennas`` (k, 2, M): from where each of the k ranges was measured. ``evidence`` (M,) gets the logarithm of
-    how well they fit the particle (Laplace), but for a constant.
-    Where the scale is taught, a correction of it beyond three deviations is no solution and left out.
+    ``antennas`` (k, 2, M): from where each of the k ranges was measured. ``evidence`` (M,) gets the logarithm
+    ``antennas`` (k, 2, M): from where each of the k ranges was measured. ``evidence`` (M,) gets the logarithm
+    of how well they fit the particle (Laplace), but for a constant. Where the scale is taught, a correction
+    of it beyond three deviations is no solution and left out.
     """
     count = len(ranges)
     longest = 0.2 * ranges.mean()
@@ -192,7 +179,9 @@ def settle(
                 o += damped * (ixo * gx + iyo * gy + ioo * go)
         bx, by = -(ixx * cx + ixy * cy + ixo * co), -(ixy * cx + iyy * cy + iyo * co)
         bo = -(ixo * cx + iyo * cy + ioo * co)
-        known = max(dd + cx * bx + cy * by + co * bo, 0.0)  # information on the scale: what the node leaves of it
+        known = max(
+            dd + cx * bx + cy * by + co * bo, 0.0
+        )  # information on the scale: what the node leaves of it
         spread = scales[1, p] / (1.0 + scales[1, p] * known)
         evidence[p] = -0.5 * (cost + o * o / offset_variance + log(det))
         if teach_scale and dv * dv * spread * spread < _HUBER_SD**2 * scales[1, p]:

@@ -1,8 +1,8 @@
-"""RSLAM (Sun 2009): a particle filter over the robot's path, with Kalman filters of the nodes in each particle."""
+"""RSLAM (Sun 2009): a particle filter over the path; each particle has Kalman filters of the nodes."""
 
 from __future__ import annotations
 
-from math import cos, exp, isfinite, sin
+from math import exp, isfinite
 from zlib import crc32
 
 import numpy as np
@@ -19,7 +19,7 @@ from robots.tags.map_memory import TagBelief, WriterMap
 _RESOLVED = 0.95  # a node with two possible places is known once one has this share
 
 _FITS = 0.1  # a range that is so probably no outlier counts as one that fits
-_PATIENCE = 6  # ranges in a row that do not fit before the node's place is doubted
+_PATIENCE = 10  # ranges in a row that do not fit before the node's place is doubted
 _STUBBORN = 60  # and after so many without a place they agree on, they are used as they are
 _MOST_MOVES = 4
 _RECENT_S = 60.0
@@ -65,19 +65,19 @@ class RangeSlam:
         node = self._node(sighting)
         if node is None:
             return False
-        antenna = (sighting.base_from_antenna.x, sighting.base_from_antenna.y)
+        particles = self._particles
+        antennas = _antennas(particles.poses, sighting.base_from_antenna)
         if not node.is_placed:
-            return self._gather(node, sighting, antenna)
+            return self._gather(node, sighting, antennas)
         self._age(node, sighting.stamp_s)
-        particles, variance = self._particles, sighting.range_sd_m**2
         outliers = (self._config.outlier_share, self._config.outlier_reach_m)
-        works, total = node.see(self._scales, particles.poses, antenna, sighting.range_m, variance, outliers)
+        works, total = node.see(self._scales, antennas, sighting.range_m, sighting.range_sd_m**2, outliers)
         node.fits = node.fit(works, particles.weights) > _FITS
-        if not node.fits and self._is_astray(node, sighting, antenna):
-            return False
         if node.fits:
             node.misfits = 0
-        node.correct(self._scales, particles.poses, antenna, variance, works, total)
+        elif self._is_astray(node, sighting, antennas):
+            return False
+        node.correct(self._scales, works, total)
         particles.weigh(total)
         node.settle_mirror(particles.weights)
         self._resample_if_due()
@@ -133,19 +133,17 @@ class RangeSlam:
             node = self._nodes[sighting.tag_id] = Node()
         return None if node.ignored else node
 
-    def _is_astray(self, node: Node, sighting: RangeSighting, antenna: tuple[float, float]) -> bool:
+    def _is_astray(self, node: Node, sighting: RangeSighting, antennas: Array) -> bool:
         """Tell whether a range that does not fit is better left out: a lone one, or the node has been moved.
 
-        Ranges that keep contradicting a node while other nodes fit are gathered; once they agree on a place, the
-        node is taken to be there. Where no other node fits, it is the robot that is elsewhere.
+        Ranges that keep contradicting a node while other nodes fit are gathered; once they agree on a place,
+        the node is taken to be there. Where no other node fits, it is the robot that is elsewhere.
         """
         particles = self._particles
         node.misfits += 1
         if node.misfits == 1:
             node.astray = Gathered()
-        node.astray.add(
-            sighting.range_m, sighting.range_sd_m, _antennas(particles.poses, antenna), particles.weights
-        )
+        node.astray.add(sighting.range_m, sighting.range_sd_m, antennas, particles.weights)
         if node.misfits < _PATIENCE:
             return True
         if not self._others_fit(node, sighting.stamp_s) or node.misfits > _STUBBORN:
@@ -180,12 +178,10 @@ class RangeSlam:
             self._told.add(text)
             self._doubts.append(text)
 
-    def _gather(self, node: Node, sighting: RangeSighting, antenna: tuple[float, float]) -> bool:
+    def _gather(self, node: Node, sighting: RangeSighting, antennas: Array) -> bool:
         particles = self._particles
         node.seen_s = sighting.stamp_s
-        if node.gathered.add(
-            sighting.range_m, sighting.range_sd_m, _antennas(particles.poses, antenna), particles.weights
-        ):
+        if node.gathered.add(sighting.range_m, sighting.range_sd_m, antennas, particles.weights):
             fits = node.place(self._scales, particles.weights, self._config)
             if fits is not None:
                 particles.weigh(fits)
@@ -222,6 +218,9 @@ class RangeSlam:
         return np.asarray(spread_of(node.blocks[best], self._scales, weights))
 
 
-def _antennas(poses: Array, antenna: tuple[float, float]) -> Array:
+def _antennas(poses: Array, base_from_antenna: Pose2) -> Array:
+    x, y = base_from_antenna.x, base_from_antenna.y
+    if x == 0.0 and y == 0.0:
+        return poses[:2]
     c, s = np.cos(poses[2]), np.sin(poses[2])
-    return np.array([poses[0] + c * antenna[0] - s * antenna[1], poses[1] + s * antenna[0] + c * antenna[1]])
+    return np.array([poses[0] + c * x - s * y, poses[1] + s * x + c * y])

@@ -151,7 +151,7 @@ def test_relations_are_compared_on_demand(recording, tmp_path, capsys):
         (["intel", "FILE", "--virtual-tags", "0"], "--virtual-tags has to be greater than 0"),
         (["intel", "FILE", "--virtual-tags", "nan"], "--virtual-tags has to be a finite number"),
         (["intel", "FILE", "--speed", "-1"], "--speed has to be 0 or more"),
-        (["intel", "FILE", "--slam", "ekf"], "--slam has to be tag-graph or odometry, not 'ekf'"),
+        (["intel", "FILE", "--slam", "ekf"], "--slam has to be tag-graph, odometry or rslam, not 'ekf'"),
         (["intel", "FILE", "--robots", "2"], "--robots 2: the recording has 1: r1"),
         (["intel", "FILE", "--order", "r2"], "--order: there is no robot 'r2'; there are r1"),
         (["intel", "FILE", "--relations", "absent"], "cannot read the relations absent"),
