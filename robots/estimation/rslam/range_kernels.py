@@ -131,7 +131,6 @@ def settle(
     """Begin a node in every particle from the ranges it has gathered, by Gauss-Newton from ``start``.
 
     ``antennas`` (k, 2, M): from where each of the k ranges was measured. ``evidence`` (M,) gets the logarithm
-    ``antennas`` (k, 2, M): from where each of the k ranges was measured. ``evidence`` (M,) gets the logarithm
     of how well they fit the particle (Laplace), but for a constant. Where the scale is taught, a correction
     of it beyond three deviations is no solution and left out.
     """
