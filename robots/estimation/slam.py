@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import Protocol
 
 from robots.config import AgentConfig
+from robots.estimation.ekf import EkfFilter
 from robots.estimation.filter_slam import FilterSlam
 from robots.estimation.passage import Passage
 from robots.estimation.rslam.range_slam import RangeSlam
@@ -17,6 +18,7 @@ from robots.types import GraphReport, ImuReading, LaserScan, Observation
 
 FILTERS: dict[str, Callable[[str, AgentConfig, Pose2], TagFilter]] = {  # robot, configuration, start
     "rslam": RangeSlam,
+    "ekf": EkfFilter,
 }
 
 
