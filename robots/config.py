@@ -21,6 +21,7 @@ _POSITIVE = frozenset(
         "across_m",
         "bearing_sd_rad",
         "cell_m",
+        "gate_sd",
         "key_scan_m",
         "key_scan_rad",
         "local_scans",
@@ -29,6 +30,7 @@ _POSITIVE = frozenset(
         "max_turn_radps",
         "path_loss_exponent",
         "place_m",
+        "place_sd_m",
         "point_sd_m",
         "radius_m",
         "range_sd_m",
@@ -204,6 +206,15 @@ class RadioConfig:
 
 
 @dataclass(frozen=True, slots=True)
+class EkfConfig:
+    """EKF-SLAM over tags (Ziparo 2007)."""
+
+    error_lasts_s: float = 10.0  # errors of ranges and bearings to one tag fade within this time
+    gate_sd: float = 3.0  # sightings off by more deviations lose weight
+    place_sd_m: float = 0.5  # a tag that one sighting cannot place waits until it is known this well
+
+
+@dataclass(frozen=True, slots=True)
 class LoopConfig:
     """Loops closed by laser at tags that are seen again."""
 
@@ -267,12 +278,14 @@ class AgentConfig:
     graph: GraphConfig = field(default_factory=GraphConfig)
     ranging: RangingConfig = field(default_factory=RangingConfig)
     radio: RadioConfig = field(default_factory=RadioConfig)
+    ekf: EkfConfig = field(default_factory=EkfConfig)
     loops: LoopConfig = field(default_factory=LoopConfig)
     deployment: DeploymentConfig = field(default_factory=DeploymentConfig)
     victims: VictimConfig = field(default_factory=VictimConfig)
     planning: PlanningConfig = field(default_factory=PlanningConfig)
     poses: Literal["slam", "truth"] = "slam"  # "truth": odometry is exact; nothing is estimated (experiments)
-    slam: Literal["tag-graph", "odometry"] = "tag-graph"  # "odometry": tags are noted, the graph never solved
+    # "odometry": tags are noted, the graph never solved; "ekf": a filter over tags seen from afar
+    slam: Literal["tag-graph", "odometry", "ekf"] = "tag-graph"
     map_memory: bool = False  # leave maps of tags in the tags' memories, and use those that others left
     seed: int = 0
 

@@ -18,7 +18,8 @@ if TYPE_CHECKING:
     from robots.team import TeamUpdate
     from robots.trajectory import Trajectory
 
-_SLAM = ("tag-graph", "odometry")
+_SLAM = ("tag-graph", "ekf", "odometry")
+_MEMORY = ("none", "tags")
 
 
 def replay(
@@ -34,9 +35,9 @@ def replay(
     slam: Annotated[
         str | None,
         typer.Option(
-            metavar="tag-graph|odometry",
+            metavar="|".join(_SLAM),
             help="odometry: dead reckoning and scan matching alone; tags are noted, the graph is not solved."
-            " tag-graph, unless the recording says otherwise.",
+            " ekf: a filter over tags seen from afar. tag-graph, unless the recording says otherwise.",
         ),
     ] = None,
     robots: Annotated[
@@ -48,6 +49,17 @@ def replay(
             metavar="r3,r1", help="In which order the robots go through the recording, one after the other."
         ),
     ] = None,
+    memory: Annotated[
+        str,
+        typer.Option(
+            metavar="|".join(_MEMORY),
+            help="tags: they keep the maps that robots leave in them, for those that come later in --order.",
+        ),
+    ] = "none",
+    robot_sightings: Annotated[
+        bool,
+        typer.Option("--robot-sightings/--no-robot-sightings", help="Whether the robots see each other."),
+    ] = True,
     virtual_tags: Annotated[
         float | None,
         typer.Option(
@@ -81,14 +93,20 @@ def replay(
     if server is not None and (out is not None or relations is not None):
         raise CommandError("--out and --relations belong to a replay without --server; leave them out")
     if slam is not None and slam not in _SLAM:
-        raise CommandError(f"--slam has to be {' or '.join(_SLAM)}, not {slam!r}")
+        raise CommandError(f"--slam has to be {', '.join(_SLAM[:-1])} or {_SLAM[-1]}, not {slam!r}")
+    if memory not in _MEMORY:
+        raise CommandError(f"--memory has to be {' or '.join(_MEMORY)}, not {memory!r}")
+    if server is not None and (memory != "none" or not robot_sightings):
+        raise CommandError(
+            "--memory and --no-robot-sightings belong to a replay without --server; leave them out"
+        )
     changes = {} if slam is None else {"slam": slam}
     check_writable(out)
     if dataset == "g2o":
         from server.cli.replay_graph import replay_pose_graph
 
         given = (robots, order, virtual_tags, relations, server, mission)
-        if any(option is not None for option in given):
+        if any(option is not None for option in given) or memory != "none" or not robot_sightings:
             raise CommandError(
                 "a pose graph has no robots and no sensors: it takes --slam, --out and --json alone"
             )
@@ -98,7 +116,9 @@ def replay(
         recording = load(dataset, path, virtual_tags)
         chosen = choose_robots(recording.robots, robots, order)
         if server is None:
-            summary = _replay_here(recording, chosen, changes, relations, out)
+            summary = _replay_here(
+                recording, chosen, changes, relations, out, memory == "tags", robot_sightings
+            )
         else:
             from server.cli.posting import post_recording
 
@@ -121,6 +141,8 @@ def _replay_here(
     changes: dict[str, Any],
     relations: Path | None,
     out: Path | None,
+    memory: bool = False,
+    robot_sightings: bool = True,
 ) -> dict[str, Any]:
     import numpy as np
 
@@ -139,7 +161,7 @@ def _replay_here(
     with progress() as display:
         total = sum(recording.length(robot_id) for robot_id in robots)
         task = display.add_task(f"replaying {recording.name}", total=total)
-        comparisons = _comparisons(recording, changes)
+        comparisons = {} if memory or not robot_sightings else _comparisons(recording, changes)
         try:
             result = run(
                 recording,
@@ -147,6 +169,8 @@ def _replay_here(
                 robots,
                 changes,
                 lambda robot_id, update: comparisons[robot_id].take(update) if comparisons else None,
+                memory,
+                robot_sightings,
             )
         except (ConfigError, GraphError, ObservationError) as error:
             raise CommandError(f"{recording.name}: {error}") from error
