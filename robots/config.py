@@ -28,6 +28,10 @@ _POSITIVE = frozenset(
         "max_range_m",
         "max_speed_mps",
         "max_turn_radps",
+        "offset_sd_m",
+        "outlier_reach_m",
+        "outlier_share",
+        "particles",
         "path_loss_exponent",
         "place_m",
         "place_sd_m",
@@ -37,6 +41,7 @@ _POSITIVE = frozenset(
         "reach_m",
         "readings",
         "resolution_m",
+        "scale_sd",
         "spacing_m",
         "tag_kernel_sd",
         "track_width_m",
@@ -206,6 +211,19 @@ class RadioConfig:
 
 
 @dataclass(frozen=True, slots=True)
+class RangeSlamConfig:
+    """Range-only SLAM by particles (Sun 2009): measured = scale * true + offset of the node."""
+
+    particles: int = 1000
+    resample_below: float = 0.5  # effective sample size, as a share of the particles
+    scale_sd: float = 0.1  # of the scale of all ranges, about 1
+    offset_sd_m: float = 0.3  # of a node's offset, about 0
+    offset_lasts_s: float = 0.0  # an offset fades and comes anew within so long; 0: it stays
+    outlier_share: float = 0.02  # of the ranges, which may be anything
+    outlier_reach_m: float = 20.0  # over so much
+
+
+@dataclass(frozen=True, slots=True)
 class EkfConfig:
     """EKF-SLAM over tags (Ziparo 2007)."""
 
@@ -300,6 +318,7 @@ class AgentConfig:
     graph: GraphConfig = field(default_factory=GraphConfig)
     ranging: RangingConfig = field(default_factory=RangingConfig)
     radio: RadioConfig = field(default_factory=RadioConfig)
+    rslam: RangeSlamConfig = field(default_factory=RangeSlamConfig)
     ekf: EkfConfig = field(default_factory=EkfConfig)
     loops: LoopConfig = field(default_factory=LoopConfig)
     deployment: DeploymentConfig = field(default_factory=DeploymentConfig)
@@ -307,8 +326,9 @@ class AgentConfig:
     victims: VictimConfig = field(default_factory=VictimConfig)
     planning: PlanningConfig = field(default_factory=PlanningConfig)
     poses: Literal["slam", "truth"] = "slam"  # "truth": odometry is exact; nothing is estimated (experiments)
-    # "odometry": tags are noted, the graph never solved; "ekf": a filter over tags seen from afar
-    slam: Literal["tag-graph", "odometry", "ekf"] = "tag-graph"
+    # "odometry": tags are noted, the graph never solved; "ekf": a filter over tags seen from afar; "rslam":
+    # particles, by ranges alone
+    slam: Literal["tag-graph", "odometry", "ekf", "rslam"] = "tag-graph"
     map_memory: bool = False  # leave maps of tags in the tags' memories, and use those that others left
     seed: int = 0
 
