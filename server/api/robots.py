@@ -9,7 +9,8 @@ from fastapi import APIRouter, Request, Response
 from db.records import RobotRecord, StartPoseRecord
 from robots import codec
 from robots.agent import RobotAgent
-from robots.config import AgentConfig, ConfigError, override
+from robots.config import AgentConfig, ConfigError
+from robots.overrides import override
 from server.api.common import ERRORS, OneMission
 from server.errors import ApiError
 from server.robot import Robot, robot_value

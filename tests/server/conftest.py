@@ -21,7 +21,8 @@ import uvicorn
 from websockets.sync.client import ClientConnection, connect
 
 from robots.agent import RobotAgent, merge_commands
-from robots.config import AgentConfig, override
+from robots.config import AgentConfig
+from robots.overrides import override
 from robots.sim.scenario import ScenarioConfig
 from robots.sim.simulation import Order, Simulation
 from robots.sim.wire import command_to_wire, observation_to_wire, pose_to_wire
