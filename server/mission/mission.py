@@ -33,6 +33,7 @@ from server.mission.nodes import Nodes
 from server.mission.recovery import Recovery
 from server.mission.replies import fresh_of, reply_to
 from server.mission.roster import Roster
+from server.mission.senders import Senders
 from server.mission.shared_map import SharedMap
 from server.mission.stops import Stops
 from server.mission.tasks import Tasks
@@ -63,7 +64,7 @@ class Mission:
         self.events = Events(store, mission_id, self.board)
         self.annotations = Annotations(store, mission_id, self.board)
         self.victims = Victims(store, mission_id, self.board, self.events)
-        self.memories = Memories(store, mission_id, self.events)
+        self.memories = Memories(store, mission_id, bytes.fromhex(record.tag_key), self.events)
         self.nodes = Nodes(store, mission_id, self.board, self.events)
         self._tasks = Tasks(mission_id)
         self.roster = Roster(record, store, forks, self.board, self.events, self._tasks)
@@ -71,6 +72,7 @@ class Mission:
         doubts = Doubts(store, mission_id, self.events)
         self.shared_map = SharedMap(store, forks, self.board, self.roster, self.victims, doubts, on_grid)
         self.best_map = BestMap(store, forks, self.board, self.roster, self.shared_map, self._tasks)
+        self._senders = Senders(store, mission_id, self.events)
         self._links = Links(self.roster, self.events, settings)
         self._recovery = Recovery(store, self.roster, self.shared_map, self.memories, self._tasks, settings)
         self._store = store
@@ -108,9 +110,11 @@ class Mission:
         return robot, is_new
 
     async def ingest(
-        self, robot_id: str, batch: Sequence[Observation], onboard: Sequence[OnboardWire]
+        self, robot_id: str, batch: Sequence[Observation], onboard: Sequence[OnboardWire], sender: str
     ) -> dict[str, Any]:
         """Take in observations, in the order of their seq, and return the reply of the wire.
+
+        ``sender`` says from where they come, for people to read.
 
         Raises:
             ApiError: a gap, stamps that run backwards, or too much waiting already, and nothing is kept
@@ -132,6 +136,7 @@ class Mission:
                 elif robot.thought is not None and _failed(robot.thought):
                     robot.thought = self._tasks.spawn(self._think(robot, None))
                 thought = robot.thought
+            await self._senders.check(robot, batch, len(fresh), sender)
             if fresh:
                 await self._links.heard(robot)
             if thought is not None:  # also for a batch that came before: its answer may not be there yet
