@@ -15,6 +15,7 @@ from robots.estimation.cloud_matching import Cloud, Window, match_clouds
 from robots.estimation.contradiction import share_seen_through
 from robots.estimation.ekf import EkfFilter
 from robots.estimation.graph import solve
+from robots.estimation.rslam.range_slam import RangeSlam
 from robots.estimation.scan_points import scan_points
 from robots.estimation.tag_filter import RangeSighting
 from robots.estimation.tag_graph import TagGraph, graph_problem
@@ -54,7 +55,20 @@ def warm_up() -> None:
     RobotAgent.restore(agent.snapshot()).smoothed()
     _warm_up_bad_starts()
     _warm_up_loops(scan)
+    _warm_up_ranges()
     _warm_up_radio_tags()
+
+
+def _warm_up_ranges() -> None:
+    """Drive among radio nodes until one has its place."""
+    slam = RangeSlam("warm-up", AgentConfig(), Pose2())
+    for turn in range(40):
+        slam.predict(GaussianPose(Pose2(0.5, 0.0, 0.2), np.eye(3) * 1e-4))
+        here = slam.belief.mean
+        slam.see(RangeSighting("warm", float(turn), float(np.hypot(here.x - 5.0, here.y - 4.0)), 0.1))
+        slam.anchor()
+    slam.see_heading(slam.belief.mean.theta, 0.1)
+    slam.tags()
 
 
 def _warm_up_radio_tags() -> None:

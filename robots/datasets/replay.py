@@ -10,12 +10,15 @@ from typing import Any
 import numpy as np
 
 from robots.agent import ObservationError, RobotAgent
-from robots.config import AgentConfig, override
+from robots.config import AgentConfig
 from robots.datasets.recording import Recording
+from robots.overrides import override
 from robots.se2 import Array
 from robots.team import TeamMap, TeamRobot, TeamUpdate
 from robots.trajectory import Trajectory, TrajectoryStep, edges_of, final_trajectory
 from robots.types import AgentUpdate, GraphReport, Observation
+
+_ROOM_BYTES = 12_000  # of a tag in a recording, with --memory: as much as an active node has
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -68,9 +71,10 @@ def replay(
     team: TeamMap | None = None
     days = []
     tags = TagMemories(memory)
-    changes = {**(changes or {}), **({"map_memory": True} if memory else {})}
+    if memory:
+        changes = {"tag_memory": {"room_bytes": _ROOM_BYTES}, **(changes or {}), "map_memory": True}
     for robot_id in recording.robots if robots is None else robots:
-        config = override(override(AgentConfig(), recording.settings_of(robot_id)), changes)
+        config = override(override(AgentConfig(), recording.settings_of(robot_id)), changes or {})
         team = team or TeamMap(config.mapping.resolution_m)
         team.add_robot(robot_id, recording.start_pose(robot_id))
         observations = (
@@ -154,7 +158,7 @@ class _Day:
     def result(self, solved: TeamRobot) -> RobotReplay:
         graph = self.last.graph
         edges = edges_of(graph) if graph is not None else {}
-        anchors = graph.poses if graph is not None and self._slam == "odometry" else solved.anchors
+        anchors = graph.poses if graph is not None and self._slam in ("odometry", "rslam") else solved.anchors
         return RobotReplay(
             robot_id=self.robot_id,
             online=Trajectory(
