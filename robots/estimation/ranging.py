@@ -30,6 +30,8 @@ class Ranging:
         """
         direction = self._model.direction(sighting.antenna)
         bearing, bearing_sd = direction.bearing_rad, direction.bearing_sd_rad
+        log_sd: float | None = None
+        median_m: float | None = None
         if sighting.range_m is not None:
             range_m = sighting.range_m
             deviation = self._ranging.range_sd_m + self._ranging.range_sd_per_m * range_m
@@ -40,7 +42,7 @@ class Ranging:
             if mean is None:
                 return None
             told = self._model.range_of(mean.rssi_dbm, mean.readings)
-            range_m, deviation = told.range_m, told.sd_m
+            range_m, deviation, log_sd, median_m = told.range_m, told.sd_m, told.log_sd, told.median_m
         else:
             return None
         return RangeSighting(
@@ -51,6 +53,8 @@ class Ranging:
             bearing,
             bearing_sd,
             direction.base_from_antenna,
+            log_sd,
+            median_m,
             independent=sighting.range_m is None,  # the mean of a place of its own
         )
 

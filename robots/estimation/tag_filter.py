@@ -24,6 +24,8 @@ class RangeSighting:
     bearing_rad: float | None = None
     bearing_sd_rad: float | None = None
     base_from_antenna: Pose2 = field(default_factory=Pose2)
+    log_sd: float | None = None  # where the error grows with the distance: ln(median_m) is off by so much
+    median_m: float | None = None
     independent: bool = False
 
 
