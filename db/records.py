@@ -11,6 +11,7 @@ VictimStatus = Literal["suspected", "confirmed", "reached", "extricated", "dismi
 TagState = Literal["sound", "moved", "cloned", "doubtful"]
 AnnotationKind = Literal["note", "hazard", "searched", "victim"]
 Severity = Literal["info", "warning", "alarm"]
+AlertKind = Literal["hot", "tilted", "pressure"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,6 +99,43 @@ class TagRecord:
     robots: tuple[str, ...]
     state: TagState = "sound"
     notice: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class NodeRecord:
+    """What an active node measured last, and which robot heard it; None where it has no such sensor.
+
+    ``usual_pressure_hpa``: what its pressure has been lately.
+    """
+
+    tag_id: str
+    temperature_c: float | None
+    pressure_hpa: float | None
+    tilt_rad: float | None
+    usual_pressure_hpa: float | None
+    heard_unix_s: float
+    robot_id: str
+
+
+@dataclass(frozen=True, slots=True)
+class AlertRecord:
+    """An alert about a node: raised, perhaps over since, perhaps acknowledged by somebody."""
+
+    alert_id: str
+    tag_id: str
+    kind: AlertKind
+    text: str
+    robot_id: str
+    severity: Severity
+    raised_unix_s: float
+    over_unix_s: float | None = None
+    acknowledged_by: str = ""
+    acknowledged_unix_s: float | None = None
+
+    @property
+    def settled(self) -> bool:
+        """Whether it is over and somebody has taken note of it."""
+        return self.over_unix_s is not None and self.acknowledged_unix_s is not None
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,11 +9,12 @@ from db.findings import FindingStore
 from db.graphs import GraphStore
 from db.log import LogStore
 from db.missions import MissionStore
+from db.nodes import NodeStore
 from db.tags import TagStore
 
 
 class Store:
-    """One database, by subject: ``missions`` (and robots), ``log``, ``graphs``, ``tags``, ``findings``."""
+    """One database, by subject: ``missions`` (and robots), ``log``, ``graphs``, ``tags``, ``nodes``, ..."""
 
     def __init__(self, database: Database) -> None:
         self._database = database
@@ -21,6 +22,7 @@ class Store:
         self.log = LogStore(database)
         self.graphs = GraphStore(database)
         self.tags = TagStore(database)
+        self.nodes = NodeStore(database)
         self.findings = FindingStore(database)
 
     @classmethod

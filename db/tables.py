@@ -118,6 +118,37 @@ tag_memories = Table(
     _of_mission(),
 )
 
+node_readings = Table(
+    "node_readings",
+    metadata,
+    Column("mission_id", ID, primary_key=True),
+    Column("tag_id", ID, primary_key=True),
+    Column("temperature_c", Float),
+    Column("pressure_hpa", Float),
+    Column("tilt_rad", Float),
+    Column("usual_pressure_hpa", Float),
+    Column("heard_unix_s", Float, nullable=False),
+    Column("robot_id", ID, nullable=False),
+    _of_mission(),
+)
+
+alerts = Table(
+    "alerts",
+    metadata,
+    Column("mission_id", ID, primary_key=True),
+    Column("alert_id", String(120), primary_key=True),  # kind:tag
+    Column("tag_id", ID, nullable=False),
+    Column("kind", String(20), nullable=False),  # hot | tilted | pressure
+    Column("text", Text, nullable=False),
+    Column("robot_id", ID, nullable=False),
+    Column("severity", String(10), nullable=False),
+    Column("raised_unix_s", Float, nullable=False),
+    Column("over_unix_s", Float),
+    Column("acknowledged_by", String(200), nullable=False),
+    Column("acknowledged_unix_s", Float),
+    _of_mission(),
+)
+
 graph_vertices = Table(
     "graph_vertices",
     metadata,

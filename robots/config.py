@@ -21,20 +21,27 @@ _POSITIVE = frozenset(
         "across_m",
         "bearing_sd_rad",
         "cell_m",
+        "gate_sd",
         "key_scan_m",
         "key_scan_rad",
         "local_scans",
         "max_range_m",
         "max_speed_mps",
         "max_turn_radps",
+        "offset_sd_m",
+        "outlier_reach_m",
+        "outlier_share",
+        "particles",
         "path_loss_exponent",
         "place_m",
+        "place_sd_m",
         "point_sd_m",
         "radius_m",
         "range_sd_m",
         "reach_m",
         "readings",
         "resolution_m",
+        "scale_sd",
         "spacing_m",
         "tag_kernel_sd",
         "track_width_m",
@@ -204,6 +211,28 @@ class RadioConfig:
 
 
 @dataclass(frozen=True, slots=True)
+class RangeSlamConfig:
+    """Range-only SLAM by particles (Sun 2009): measured = scale * true + offset of the node."""
+
+    particles: int = 1000
+    resample_below: float = 0.5  # effective sample size, as a share of the particles
+    scale_sd: float = 0.1  # of the scale of all ranges, about 1
+    offset_sd_m: float = 0.3  # of a node's offset, about 0
+    offset_lasts_s: float = 0.0  # an offset fades and comes anew within so long; 0: it stays
+    outlier_share: float = 0.02  # of the ranges, which may be anything
+    outlier_reach_m: float = 20.0  # over so much
+
+
+@dataclass(frozen=True, slots=True)
+class EkfConfig:
+    """EKF-SLAM over tags (Ziparo 2007)."""
+
+    error_lasts_s: float = 10.0  # errors of ranges and bearings to one tag fade within this time
+    gate_sd: float = 3.0  # sightings off by more deviations lose weight
+    place_sd_m: float = 0.5  # a tag that one sighting cannot place waits until it is known this well
+
+
+@dataclass(frozen=True, slots=True)
 class LoopConfig:
     """Loops closed by laser at tags that are seen again."""
 
@@ -267,12 +296,16 @@ class AgentConfig:
     graph: GraphConfig = field(default_factory=GraphConfig)
     ranging: RangingConfig = field(default_factory=RangingConfig)
     radio: RadioConfig = field(default_factory=RadioConfig)
+    rslam: RangeSlamConfig = field(default_factory=RangeSlamConfig)
+    ekf: EkfConfig = field(default_factory=EkfConfig)
     loops: LoopConfig = field(default_factory=LoopConfig)
     deployment: DeploymentConfig = field(default_factory=DeploymentConfig)
     victims: VictimConfig = field(default_factory=VictimConfig)
     planning: PlanningConfig = field(default_factory=PlanningConfig)
     poses: Literal["slam", "truth"] = "slam"  # "truth": odometry is exact; nothing is estimated (experiments)
-    slam: Literal["tag-graph", "odometry"] = "tag-graph"  # "odometry": tags are noted, the graph never solved
+    # "odometry": tags are noted, the graph never solved; "ekf": a filter over tags seen from afar; "rslam":
+    # particles, by ranges alone
+    slam: Literal["tag-graph", "odometry", "ekf", "rslam"] = "tag-graph"
     map_memory: bool = False  # leave maps of tags in the tags' memories, and use those that others left
     seed: int = 0
 

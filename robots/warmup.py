@@ -13,8 +13,11 @@ from robots.agent import RobotAgent
 from robots.config import AgentConfig
 from robots.estimation.cloud_matching import Cloud, Window, match_clouds
 from robots.estimation.contradiction import share_seen_through
+from robots.estimation.ekf import EkfFilter
 from robots.estimation.graph import solve
+from robots.estimation.rslam.range_slam import RangeSlam
 from robots.estimation.scan_points import scan_points
+from robots.estimation.tag_filter import RangeSighting
 from robots.estimation.tag_graph import TagGraph, graph_problem
 from robots.se2 import GaussianPose, Pose2
 from robots.team import StartPose, TeamMap
@@ -52,6 +55,31 @@ def warm_up() -> None:
     RobotAgent.restore(agent.snapshot()).smoothed()
     _warm_up_bad_starts()
     _warm_up_loops(scan)
+    _warm_up_ranges()
+    _warm_up_radio_tags()
+
+
+def _warm_up_ranges() -> None:
+    """Drive among radio nodes until one has its place."""
+    slam = RangeSlam("warm-up", AgentConfig(), Pose2())
+    for turn in range(40):
+        slam.predict(GaussianPose(Pose2(0.5, 0.0, 0.2), np.eye(3) * 1e-4))
+        here = slam.belief.mean
+        slam.see(RangeSighting("warm", float(turn), float(np.hypot(here.x - 5.0, here.y - 4.0)), 0.1))
+        slam.anchor()
+    slam.see_heading(slam.belief.mean.theta, 0.1)
+    slam.tags()
+
+
+def _warm_up_radio_tags() -> None:
+    """Let a filter hear tags by range and bearing, and one by range alone."""
+    ekf = EkfFilter("warm-up", AgentConfig(), Pose2())
+    for k in range(4):
+        ekf.predict(GaussianPose(Pose2(0.1, 0.0, 0.1), np.eye(3) * 1e-4))
+        ekf.see_heading(0.1 * k, 0.1)
+        ekf.see(RangeSighting("warm", float(k), 2.0, 0.1, 0.1, 0.1))
+        ekf.see(RangeSighting("warm-too", float(k), 2.0, 0.1))
+    ekf.own_map()
 
 
 def _warm_up_loops(scan: LaserScan) -> None:

@@ -11,8 +11,8 @@ from fastapi import APIRouter, FastAPI
 from db.store import Store
 from server import VERSION
 from server.agents.process import ForkServer
+from server.api import alerts, best_map, health, logs, maps, missions, robots, stream, tags, victims
 from server.api import annotations as annotations_api
-from server.api import best_map, health, logs, maps, missions, robots, stream, tags, victims
 from server.errors import add_error_handlers
 from server.guard import Guard
 from server.missions import Missions
@@ -63,6 +63,7 @@ def create_app(settings: Settings) -> FastAPI:
         robots,
         tags,
         victims,
+        alerts,
         annotations_api,
         maps,
         best_map,

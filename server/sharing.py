@@ -5,7 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
-from db.records import AnnotationRecord, EventRecord, PointRecord, TagRecord, VictimRecord
+from db.records import (
+    AlertRecord,
+    AnnotationRecord,
+    EventRecord,
+    NodeRecord,
+    PointRecord,
+    TagRecord,
+    VictimRecord,
+)
 from robots.se2 import Array
 from robots.team import TeamTag, TeamUpdate, TeamVictim
 from server.map_image import MapImage
@@ -58,6 +66,17 @@ def victim_value(victim: VictimRecord) -> dict[str, Any]:
         "first_seen_s": victim.first_seen_s,
         "last_seen_s": victim.last_seen_s,
     }
+
+
+def node_value(node: NodeRecord) -> dict[str, Any]:
+    """Return ``node/ID`` of the board: what an active node measured last."""
+    names = ("tag_id", "temperature_c", "pressure_hpa", "tilt_rad", "heard_unix_s", "robot_id")
+    return {name: getattr(node, name) for name in names}
+
+
+def alert_value(alert: AlertRecord) -> dict[str, Any]:
+    """Return ``alert/ID`` of the board."""
+    return {name: getattr(alert, name) for name in AlertRecord.__slots__}
 
 
 def annotation_value(annotation: AnnotationRecord) -> dict[str, Any]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from time import perf_counter
 from typing import Any
@@ -15,7 +15,7 @@ from robots.datasets.recording import Recording
 from robots.se2 import Array
 from robots.team import TeamMap, TeamRobot, TeamUpdate
 from robots.trajectory import Trajectory, TrajectoryStep, edges_of, final_trajectory
-from robots.types import AgentUpdate, GraphReport
+from robots.types import AgentUpdate, GraphReport, Observation
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -46,6 +46,8 @@ def replay(
     robots: Sequence[str] | None = None,
     changes: dict[str, Any] | None = None,
     on_update: Callable[[str, AgentUpdate], None] = lambda robot_id, update: None,
+    memory: bool = False,
+    robot_sightings: bool = True,
 ) -> ReplayResult:
     """Run an agent per robot over the recording.
 
@@ -55,6 +57,8 @@ def replay(
         robots: who takes part, in the order in which they go through the recording; None for all.
         changes: overrides of ``AgentConfig`` beside the recording's own.
         on_update: called with each update that an agent makes.
+        memory: tags keep what robots write into them, for themselves and for those that come later.
+        robot_sightings: whether robots see each other.
 
     Raises:
         ConfigError: one of the overrides is no setting, or out of range.
@@ -63,12 +67,24 @@ def replay(
     """
     team: TeamMap | None = None
     days = []
+    tags = TagMemories(memory)
+    changes = {**(changes or {}), **({"map_memory": True} if memory else {})}
     for robot_id in recording.robots if robots is None else robots:
-        config = override(override(AgentConfig(), recording.settings_of(robot_id)), changes or {})
+        config = override(override(AgentConfig(), recording.settings_of(robot_id)), changes)
         team = team or TeamMap(config.mapping.resolution_m)
         team.add_robot(robot_id, recording.start_pose(robot_id))
-        day = _Day(recording, robot_id, config, on_step, on_update)
-        team.put(robot_id, day.last if config.slam == "tag-graph" else _without_loops(day.last))
+        observations = (
+            tags.read(o if robot_sightings else replace(o, robot_sightings=()))
+            for o in recording.observations(robot_id)
+        )
+
+        def keep(robot_id: str, update: AgentUpdate) -> None:
+            tags.write(update)
+            on_update(robot_id, update)
+
+        stamps_s = recording.stamps_s(robot_id)
+        day = _Day(robot_id, zip(stamps_s, observations, strict=True), config, on_step, keep)
+        team.put(robot_id, _without_loops(day.last) if config.slam == "odometry" else day.last)
         days.append(day)
     if team is None:
         raise ValueError("there is no robot to replay")
@@ -77,11 +93,34 @@ def replay(
     return ReplayResult(tuple(day.result(by_id[day.robot_id]) for day in days), solved)
 
 
+class TagMemories:
+    """What stands in the tags of a recording whose own tags had no memory: what our robots wrote there."""
+
+    def __init__(self, kept: bool) -> None:
+        self._memories: dict[str, bytes] | None = {} if kept else None
+
+    def read(self, observation: Observation) -> Observation:
+        """Return the observation with the tags' memories in its sightings."""
+        memories = self._memories
+        if not memories or not observation.tag_sightings:
+            return observation
+        sightings = tuple(
+            replace(sighting, memory=memories.get(sighting.tag_id, sighting.memory))
+            for sighting in observation.tag_sightings
+        )
+        return replace(observation, tag_sightings=sightings)
+
+    def write(self, update: AgentUpdate) -> None:
+        """Take in what an agent wants written into tags."""
+        if self._memories is not None:
+            self._memories |= {write.tag_id: write.memory for write in update.command.writes}
+
+
 class _Day:
     def __init__(
         self,
-        recording: Recording,
         robot_id: str,
+        observations: Iterable[tuple[float, Observation]],
         config: AgentConfig,
         on_step: Callable[[], None],
         on_update: Callable[[str, AgentUpdate], None],
@@ -94,9 +133,7 @@ class _Day:
         self._online: list[Array] = []
         self._step_s: list[float] = []
         self._sightings = 0
-        for stamp, observation in zip(
-            recording.stamps_s(robot_id), recording.observations(robot_id), strict=True
-        ):
+        for stamp, observation in observations:
             self._sightings += len(observation.tag_sightings)
             began = perf_counter()
             try:
@@ -117,7 +154,7 @@ class _Day:
     def result(self, solved: TeamRobot) -> RobotReplay:
         graph = self.last.graph
         edges = edges_of(graph) if graph is not None else {}
-        anchors = graph.poses if graph is not None and self._slam == "odometry" else solved.anchors
+        anchors = graph.poses if graph is not None and self._slam in ("odometry", "rslam") else solved.anchors
         return RobotReplay(
             robot_id=self.robot_id,
             online=Trajectory(

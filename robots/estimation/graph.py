@@ -19,6 +19,7 @@ import numpy as np
 from numba import njit
 
 from robots.estimation.graph_cholesky import factorise, solve_factored
+from robots.estimation.graph_covariances import diagonal_blocks
 from robots.estimation.graph_descent import Descent, descend, relaxed
 from robots.estimation.graph_factors import (
     BoolArray,
@@ -77,7 +78,7 @@ class GraphSolution:
 
 
 class Marginals:
-    """Covariances of single vertices at a solution. The matrix is factorised when the first is asked for."""
+    """Covariances of vertices at a solution. The matrix is factorised when the first is asked for."""
 
     def __init__(self, state: Array, factors: Factors, kernel: Kernel, linear: bool, damping: float) -> None:
         self._state, self._factors, self._kernel = state, factors, kernel
@@ -99,14 +100,22 @@ class Marginals:
 
     def joint(self, vertices: IntArray) -> Array:
         """Return the joint covariance (3 k, 3 k) of k vertices; a tag's third row and column mean nothing."""
+        covariance: Array = columns_of(*self._factor(), np.asarray(vertices, np.int64))
+        return (covariance + covariance.T) / 2.0
+
+    def all(self) -> Array:
+        """Return the covariances (n, 3, 3) of all vertices, tags after the poses, in one go."""
+        blocks: Array = diagonal_blocks(*self._factor())
+        return blocks
+
+    def _factor(self) -> tuple[Order, Array]:
         if self._solved is None:
             frame, equations, factor = _storage(len(self._state), self._factors)
             linearise(self._state, self._factors, equations, self._kernel, self._linear)
             if not factorise(frame, equations, self._damping, factor):
                 raise GraphError(LOOSE)
             self._solved = frame, factor
-        covariance: Array = columns_of(*self._solved, np.asarray(vertices, np.int64))
-        return (covariance + covariance.T) / 2.0
+        return self._solved
 
 
 @njit(cache=True)

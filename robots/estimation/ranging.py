@@ -44,7 +44,14 @@ class Ranging:
         else:
             return None
         return RangeSighting(
-            sighting.tag_id, stamp_s, range_m, deviation, bearing, bearing_sd, direction.base_from_antenna
+            sighting.tag_id,
+            stamp_s,
+            range_m,
+            deviation,
+            bearing,
+            bearing_sd,
+            direction.base_from_antenna,
+            independent=sighting.range_m is None,  # the mean of a place of its own
         )
 
 

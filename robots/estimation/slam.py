@@ -6,15 +6,20 @@ from collections.abc import Callable
 from typing import Protocol
 
 from robots.config import AgentConfig
+from robots.estimation.ekf import EkfFilter
 from robots.estimation.filter_slam import FilterSlam
 from robots.estimation.passage import Passage
+from robots.estimation.rslam.range_slam import RangeSlam
 from robots.estimation.tag_filter import TagFilter
 from robots.estimation.tag_slam import TagSlam
 from robots.se2 import GaussianPose, Pose2
 from robots.tags.map_memory import TagBelief
 from robots.types import GraphReport, ImuReading, LaserScan, Observation
 
-FILTERS: dict[str, Callable[[str, AgentConfig, Pose2], TagFilter]] = {}  # robot, configuration, start
+FILTERS: dict[str, Callable[[str, AgentConfig, Pose2], TagFilter]] = {  # robot, configuration, start
+    "rslam": RangeSlam,
+    "ekf": EkfFilter,
+}
 
 
 class Slam(Protocol):

@@ -13,7 +13,8 @@ from robots.tags.map_memory import TagBelief, WriterMap
 class RangeSighting:
     """A tag seen by range and, where the radio has a direction, by bearing from the antenna's axis.
 
-    ``range_m`` as measured, with whatever the radio adds to it.
+    ``range_m`` as measured, with whatever the radio adds to it. ``independent``: its error has nothing to do
+    with that of the tag's sighting before, as errors of a range finder do for seconds.
     """
 
     tag_id: str
@@ -23,12 +24,15 @@ class RangeSighting:
     bearing_rad: float | None = None
     bearing_sd_rad: float | None = None
     base_from_antenna: Pose2 = field(default_factory=Pose2)
+    independent: bool = False
 
 
 class TagFilter(Protocol):
     """A filter over the robot's pose and the tags, in the map frame, which begins at the robot's start."""
 
-    range_scale: float  # what it has learnt of the radios: measured = scale * true + offset of the tag
+    @property
+    def range_scale(self) -> float:
+        """What it has learnt of the radios: measured = scale * true + offset of the tag."""
 
     @property
     def belief(self) -> GaussianPose:

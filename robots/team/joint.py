@@ -85,18 +85,18 @@ def solve_together(
         tied -= loose
         joint, judged = solved()
     anchors |= {name: moved(frames[name], graph.poses) for name, graph in sound.items() if name in frames}
-    covariances = {}
+    covariances, every = {}, judged.solution.marginals.all()
     for name in joint.names:
         begin, count = joint.begins[name], len(sound[name].poses)
         anchors[name] = judged.solution.poses[begin : begin + count]
-        covariances[name] = judged.solution.pose_covariance(begin + count - 1)
+        covariances[name] = every[begin + count - 1]
     found = tag_notices(joint, judged)
     notices += [*found.values(), *way_notices(joint, judged, sound)]
     return JointSolution(
         anchors=anchors,
         located=frozenset(joint.names),
         covariances=covariances,
-        tags=_tags(joint, judged, found),
+        tags=_tags(joint, judged, found, every[len(judged.solution.poses) :, :2, :2]),
         marginals=judged.solution.marginals,
         begins=joint.begins,
         notices=tuple(sorted(notices, key=lambda notice: (notice.kind, notice.about, notice.since_s))),
@@ -149,8 +149,10 @@ def _contradicted(joint: JointProblem, judged: Judgement) -> frozenset[str]:
     return frozenset(name for name in names if chi2[name] > _COMPASS_CHI2 and chi2[name] > 0.5 * worst)
 
 
-def _tags(joint: JointProblem, judged: Judgement, notices: Mapping[int, TeamNotice]) -> tuple[TeamTag, ...]:
-    """Return the tags: one where it is now, a clone at each of its places."""
+def _tags(
+    joint: JointProblem, judged: Judgement, notices: Mapping[int, TeamNotice], covariances: Array
+) -> tuple[TeamTag, ...]:
+    """Return the tags: one where it is now, a clone at each of its places. ``covariances`` (m, 2, 2)."""
     readers: list[list[int]] = [[] for _ in judged.tag_of]
     for (_, vertex), reader in zip(judged.problem.sighting_pairs, joint.readers, strict=True):
         readers[int(vertex)].append(int(reader))
@@ -169,7 +171,7 @@ def _tags(joint: JointProblem, judged: Judgement, notices: Mapping[int, TeamNoti
                 tag_id=name,
                 x_m=float(judged.solution.tags[vertex, 0]),
                 y_m=float(judged.solution.tags[vertex, 1]),
-                covariance=judged.solution.tag_covariance(vertex),
+                covariance=covariances[vertex],
                 sightings=len(readers[vertex]),
                 robots=tuple(sorted({joint.names[k] for k in readers[vertex]})),
                 state=notice.kind if notice is not None and notice.kind != "way" else "sound",

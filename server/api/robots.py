@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 
-from fastapi import APIRouter, Response
+from fastapi import APIRouter, Request, Response
 
 from db.records import RobotRecord, StartPoseRecord
 from robots import codec
@@ -53,14 +53,16 @@ async def get_robot(robot_id: str, mission: OneMission) -> RobotOut:
 
 
 @router.post("/{robot_id}/observations", summary="Send observations", operation_id="post_observations")
-async def post_observations(robot_id: str, body: BatchIn, mission: OneMission) -> BatchOut:
+async def post_observations(robot_id: str, body: BatchIn, mission: OneMission, request: Request) -> BatchOut:
     """Take in a batch, ordered by seq, and answer with the next order.
 
     What was accepted is saved before the agent sees it. Known seqs are counted as duplicates and change
-    nothing; a gap is refused with the seq that is expected.
+    nothing, but an event tells where one differs from what is known; a gap is refused with the seq that is
+    expected.
     """
     batch = [observation_from_wire(observation) for observation in body.observations]
-    return BatchOut.model_validate(await mission.ingest(robot_id, batch, body.onboard or []))
+    sender = request.client.host if request.client is not None else "nowhere"
+    return BatchOut.model_validate(await mission.ingest(robot_id, batch, body.onboard or [], sender))
 
 
 def _config(body: RobotIn) -> AgentConfig:

@@ -2,34 +2,47 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from fastapi import APIRouter, Request, Response
 
 from robots.tags.memory import TagMemoryError
 from server.api.common import ERRORS, OneMission
 from server.errors import ApiError, unknown
+from server.mission.mission import Mission
 from server.schemas.common import Name
 from server.schemas.findings import TagOut, TagsOut
+from server.schemas.nodes import NodeOut
 
 router = APIRouter(prefix="/missions/{mission_id}/tags", tags=["tags"], responses=ERRORS)
 _BYTES = "application/octet-stream"
 _MEMORY = {200: {"content": {_BYTES: {"schema": {"type": "string", "format": "binary"}}}}}
 
 
-@router.get("", summary="All tags", operation_id="get_tags")
+@router.get("", summary="All tags", operation_id="get_tags", response_model_exclude_unset=True)
 async def get_tags(mission: OneMission) -> TagsOut:
     """Return the tags in the world frame, and the pairs driven one after the other."""
     links = (mission.board.get("links") or {}).get("pairs", [])
-    tags = [TagOut(**value) for value in mission.board.of_kind("tag")]
+    tags = [_tag(mission, value) for value in mission.board.of_kind("tag")]
     return TagsOut(tags=tags, links=[(first, second) for first, second in links])
 
 
-@router.get("/{tag_id}", summary="One tag", operation_id="get_tag")
+@router.get("/{tag_id}", summary="One tag", operation_id="get_tag", response_model_exclude_unset=True)
 async def get_tag(tag_id: str, mission: OneMission) -> TagOut:
     """Return a tag in the world frame."""
     value = mission.board.get(f"tag/{tag_id}")
     if value is None:
         raise unknown("tag", tag_id)
-    return TagOut(**value)
+    return _tag(mission, value)
+
+
+@router.get("/{tag_id}/sensors", summary="What a node measures", operation_id="get_sensors")
+async def get_sensors(tag_id: str, mission: OneMission) -> NodeOut:
+    """Return what an active node measured last, also while its place is not known yet."""
+    value = mission.board.get(f"node/{tag_id}")
+    if value is None:
+        raise unknown("node", tag_id)
+    return NodeOut(**value)
 
 
 @router.get(
@@ -67,3 +80,8 @@ async def merge_memory(tag_id: Name, request: Request, mission: OneMission) -> R
     except TagMemoryError as error:
         raise ApiError(422, "invalid_memory", f"The body is no tag memory: {error}.") from error
     return Response(merged, media_type=_BYTES)
+
+
+def _tag(mission: Mission, value: dict[str, Any]) -> TagOut:
+    node = mission.board.get(f"node/{value['tag_id']}")
+    return TagOut(**value) if node is None else TagOut(**value, sensors=NodeOut(**node))

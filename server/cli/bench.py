@@ -9,12 +9,12 @@ import typer
 
 from server.cli.console import CommandError, print_json, print_table
 
-_KNOWN = ("office", "latency", "scan-match", "solve", "incremental")
+_KNOWN = ("office", "latency", "scan-match", "solve", "incremental", "rslam")
 
 
 def bench(
     names: Annotated[
-        list[str] | None, typer.Argument(metavar="[office|latency|scan-match|solve|incremental]...")
+        list[str] | None, typer.Argument(metavar="[office|latency|scan-match|solve|incremental|rslam]...")
     ] = None,
     map_spec: Annotated[
         str, typer.Option("--map", metavar="FILE.yaml|office:AREA", help="Building for `office`.")
@@ -32,7 +32,9 @@ def bench(
     graphs: Annotated[
         list[Path] | None,
         typer.Option(
-            "--graph", metavar="GRAPH.g2o", help="Pose graph for `solve` and `incremental`; may be repeated."
+            "--graph",
+            metavar="GRAPH.g2o",
+            help="Pose graph for `solve`, after one of 50 vertices, and `incremental`; may be repeated.",
         ),
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
@@ -43,10 +45,11 @@ def bench(
         if name not in _KNOWN:
             raise CommandError(f"there is no benchmark {name}; known are {', '.join(_KNOWN)}")
         if name in ("solve", "incremental"):
-            for path in graphs or [_no_graph(name)]:
-                results[f"{name} {path.stem}"] = _graph(name, path)
+            for path in [None, *(graphs or [])] if name == "solve" else graphs or [_no_graph(name)]:
+                title = f"{name} {'small' if path is None else path.stem}"
+                results[title] = _graph(name, path)
                 if not as_json:
-                    print_table(f"{name} {path.stem}", results[f"{name} {path.stem}"])
+                    print_table(title, results[title])
             continue
         if name == "scan-match":
             results[name] = _scan_match(maps, pairs, seed)
@@ -63,6 +66,10 @@ def _measure(name: str, map_spec: str, minutes: float, seconds: float) -> dict[s
         from server.benchmarks import office
 
         return office.measure(map_spec, minutes, seed=1)
+    if name == "rslam":
+        from server.benchmarks import range_updates
+
+        return range_updates.measure()
     from server.benchmarks import latency
 
     return latency.measure(seconds=seconds)
@@ -72,12 +79,17 @@ def _no_graph(name: str) -> Path:
     raise CommandError(f"`bench {name}` needs a pose graph: --graph GRAPH.g2o")
 
 
-def _graph(name: str, path: Path) -> dict[str, Any]:
+def _graph(name: str, path: Path | None) -> dict[str, Any]:
+    """Measure with a graph; without one, with 50 vertices and 200 edges."""
+    from robots.datasets import g2o
     from robots.estimation.graph_problem import GraphError
     from server.benchmarks import graphs
 
     try:
-        return graphs.solve(path) if name == "solve" else graphs.incremental(path)
+        if path is None:
+            return graphs.solve(graphs.small(), "small")
+        graph = g2o.read(path)
+        return graphs.solve(graph, path.stem) if name == "solve" else graphs.incremental(graph, path.stem)
     except GraphError as error:
         raise CommandError(str(error)) from error
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Annotated, Any
@@ -18,7 +19,8 @@ if TYPE_CHECKING:
     from robots.team import TeamUpdate
     from robots.trajectory import Trajectory
 
-_SLAM = ("tag-graph", "odometry")
+_SLAM = ("tag-graph", "ekf", "rslam", "odometry")
+_MEMORY = ("none", "tags")
 
 
 def replay(
@@ -26,17 +28,18 @@ def replay(
         str,
         typer.Argument(
             metavar="DATASET",
-            help="Format of the recording: csail, intel, mrclam; log, a mission that waymark export wrote;"
-            " g2o, a pose graph.",
+            help="Format of the recording: csail, intel, mrclam; plaza, a folder; log, a mission that waymark"
+            " export wrote; g2o, a pose graph.",
         ),
     ],
     path: Annotated[Path, typer.Argument(metavar="FILE", help="The recording.")],
     slam: Annotated[
         str | None,
         typer.Option(
-            metavar="tag-graph|odometry",
+            metavar="|".join(_SLAM),
             help="odometry: dead reckoning and scan matching alone; tags are noted, the graph is not solved."
-            " tag-graph, unless the recording says otherwise.",
+            " ekf: a filter over tags seen from afar. rslam: particles, by ranges alone. tag-graph, unless"
+            " the recording says otherwise.",
         ),
     ] = None,
     robots: Annotated[
@@ -48,12 +51,29 @@ def replay(
             metavar="r3,r1", help="In which order the robots go through the recording, one after the other."
         ),
     ] = None,
+    memory: Annotated[
+        str,
+        typer.Option(
+            metavar="|".join(_MEMORY),
+            help="tags: they keep the maps that robots leave in them, for those that come later in --order.",
+        ),
+    ] = "none",
+    robot_sightings: Annotated[
+        bool,
+        typer.Option("--robot-sightings/--no-robot-sightings", help="Whether the robots see each other."),
+    ] = True,
     virtual_tags: Annotated[
         float | None,
         typer.Option(
             metavar="D", help="Put a tag on the reference path wherever none is nearer than D metres."
         ),
     ] = None,
+    range_only: Annotated[
+        bool,
+        typer.Option(
+            "--range-only", help="mrclam: leave the bearings out; rslam, unless --slam says otherwise."
+        ),
+    ] = False,
     relations: Annotated[
         Path | None, typer.Option(metavar="FILE.relations", help="Compare with checked relations as well.")
     ] = None,
@@ -81,14 +101,20 @@ def replay(
     if server is not None and (out is not None or relations is not None):
         raise CommandError("--out and --relations belong to a replay without --server; leave them out")
     if slam is not None and slam not in _SLAM:
-        raise CommandError(f"--slam has to be {' or '.join(_SLAM)}, not {slam!r}")
+        raise CommandError(f"--slam has to be {', '.join(_SLAM[:-1])} or {_SLAM[-1]}, not {slam!r}")
+    if memory not in _MEMORY:
+        raise CommandError(f"--memory has to be {' or '.join(_MEMORY)}, not {memory!r}")
+    if server is not None and (memory != "none" or not robot_sightings):
+        raise CommandError(
+            "--memory and --no-robot-sightings belong to a replay without --server; leave them out"
+        )
     changes = {} if slam is None else {"slam": slam}
     check_writable(out)
     if dataset == "g2o":
         from server.cli.replay_graph import replay_pose_graph
 
         given = (robots, order, virtual_tags, relations, server, mission)
-        if any(option is not None for option in given):
+        if any(option is not None for option in given) or memory != "none" or not robot_sightings:
             raise CommandError(
                 "a pose graph has no robots and no sensors: it takes --slam, --out and --json alone"
             )
@@ -96,9 +122,13 @@ def replay(
         return
     try:
         recording = load(dataset, path, virtual_tags)
+        if range_only:
+            recording = _without_bearings(recording)
         chosen = choose_robots(recording.robots, robots, order)
         if server is None:
-            summary = _replay_here(recording, chosen, changes, relations, out)
+            summary = _replay_here(
+                recording, chosen, changes, relations, out, memory == "tags", robot_sightings
+            )
         else:
             from server.cli.posting import post_recording
 
@@ -106,6 +136,14 @@ def replay(
     except RecordingError as error:
         raise CommandError(str(error)) from error
     _print(f"{dataset} {path.name}", summary, json)
+
+
+def _without_bearings(recording: Recording) -> Recording:
+    from robots.datasets.mrclam import MrclamRecording
+
+    if not isinstance(recording, MrclamRecording):
+        raise CommandError("--range-only drops the bearings of mrclam; this recording has none")
+    return replace(recording, range_only=True)
 
 
 def _print(title: str, summary: dict[str, Any], json: bool) -> None:
@@ -121,6 +159,8 @@ def _replay_here(
     changes: dict[str, Any],
     relations: Path | None,
     out: Path | None,
+    memory: bool = False,
+    robot_sightings: bool = True,
 ) -> dict[str, Any]:
     import numpy as np
 
@@ -139,7 +179,7 @@ def _replay_here(
     with progress() as display:
         total = sum(recording.length(robot_id) for robot_id in robots)
         task = display.add_task(f"replaying {recording.name}", total=total)
-        comparisons = _comparisons(recording, changes)
+        comparisons = {} if memory or not robot_sightings else _comparisons(recording, changes)
         try:
             result = run(
                 recording,
@@ -147,6 +187,8 @@ def _replay_here(
                 robots,
                 changes,
                 lambda robot_id, update: comparisons[robot_id].take(update) if comparisons else None,
+                memory,
+                robot_sightings,
             )
         except (ConfigError, GraphError, ObservationError) as error:
             raise CommandError(f"{recording.name}: {error}") from error

@@ -29,9 +29,11 @@ from server.mission.doubts import Doubts
 from server.mission.events import Events
 from server.mission.links import Links
 from server.mission.memories import Memories
+from server.mission.nodes import Nodes
 from server.mission.recovery import Recovery
 from server.mission.replies import fresh_of, reply_to
 from server.mission.roster import Roster
+from server.mission.senders import Senders
 from server.mission.shared_map import SharedMap
 from server.mission.stops import Stops
 from server.mission.tasks import Tasks
@@ -63,12 +65,14 @@ class Mission:
         self.annotations = Annotations(store, mission_id, self.board)
         self.victims = Victims(store, mission_id, self.board, self.events)
         self.memories = Memories(store, mission_id, self.events)
+        self.nodes = Nodes(store, mission_id, self.board, self.events)
         self._tasks = Tasks(mission_id)
         self.roster = Roster(record, store, forks, self.board, self.events, self._tasks)
         self.stops = Stops(store, self.roster, self.events)
         doubts = Doubts(store, mission_id, self.events)
         self.shared_map = SharedMap(store, forks, self.board, self.roster, self.victims, doubts, on_grid)
         self.best_map = BestMap(store, forks, self.board, self.roster, self.shared_map, self._tasks)
+        self._senders = Senders(store, mission_id, self.events)
         self._links = Links(self.roster, self.events, settings)
         self._recovery = Recovery(store, self.roster, self.shared_map, self.memories, self._tasks, settings)
         self._store = store
@@ -84,13 +88,14 @@ class Mission:
         await self.events.restore()
         await self.annotations.restore()
         await self.victims.restore()
+        await self.nodes.restore()
         await self.shared_map.restore()
         await self._recovery.restore()
 
     async def close(self) -> None:
         """End the processes of all agents and of the team map."""
         await self._tasks.close()
-        await asyncio.gather(self.shared_map.close(), self.roster.close())
+        await asyncio.gather(self.shared_map.close(), self.roster.close(), self.nodes.save())
 
     async def register(self, record: RobotRecord) -> tuple[Robot, bool]:
         """Add a robot, or let it join again with the same words; say whether it is new.
@@ -105,9 +110,11 @@ class Mission:
         return robot, is_new
 
     async def ingest(
-        self, robot_id: str, batch: Sequence[Observation], onboard: Sequence[OnboardWire]
+        self, robot_id: str, batch: Sequence[Observation], onboard: Sequence[OnboardWire], sender: str
     ) -> dict[str, Any]:
         """Take in observations, in the order of their seq, and return the reply of the wire.
+
+        ``sender`` says from where they come, for people to read.
 
         Raises:
             ApiError: a gap, stamps that run backwards, or too much waiting already, and nothing is kept
@@ -129,6 +136,7 @@ class Mission:
                 elif robot.thought is not None and _failed(robot.thought):
                     robot.thought = self._tasks.spawn(self._think(robot, None))
                 thought = robot.thought
+            await self._senders.check(robot, batch, len(fresh), sender)
             if fresh:
                 await self._links.heard(robot)
             if thought is not None:  # also for a batch that came before: its answer may not be there yet
@@ -162,6 +170,7 @@ class Mission:
             self._think(robot, [(record.seq, record.body) for record in records])
         )
         await self.memories.keep_read(robot.robot_id, fresh)
+        await self.nodes.take(robot.robot_id, fresh)
 
     async def _answered(self, robot: Robot, thought: asyncio.Task[None]) -> None:
         """Wait until the agent has answered; a stopped robot has its STOP at once, whatever its agent does.

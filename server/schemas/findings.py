@@ -8,6 +8,7 @@ from pydantic import ConfigDict, Field, model_validator
 
 from db.records import AnnotationKind, TagState, VictimStatus
 from server.schemas.common import Covariance, Metres, Name, Person, Wire
+from server.schemas.nodes import NodeOut
 
 
 class TagOut(Wire):
@@ -24,6 +25,7 @@ class TagOut(Wire):
         " `#2` and so on; `doubtful`: a reading contradicted all others."
     )
     notice: str = Field(description="What is wrong with a tag that is not sound, else empty.")
+    sensors: NodeOut | None = Field(None, description="What it measured last, if it is an active node.")
 
 
 class TagsOut(Wire):

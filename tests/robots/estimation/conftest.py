@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from robots.estimation.graph import GraphProblem
-from robots.se2 import Pose2, wrap_array
+from robots.estimation.tag_filter import RangeSighting
+from robots.se2 import GaussianPose, Pose2, wrap, wrap_array
 from robots.types import LaserScan
 
 Scanner = Callable[..., LaserScan]
@@ -176,3 +177,71 @@ class Graphs:
 @pytest.fixture
 def graphs() -> type[Graphs]:
     return Graphs
+
+
+class TagWalk:
+    """A robot on a wavy circle among tags; what it measures is drawn from the noise it states."""
+
+    step_sd = np.array([0.02, 0.01, 0.01])
+
+    def __init__(
+        self,
+        seed: int,
+        steps: int = 300,
+        range_sd_m: float = 0.1,
+        bearing_sd_rad: float = 0.03,
+        reach_m: float = 6.0,
+        lasting_s: float = 0.0,
+        start: Pose2 | None = None,
+        side_m: float = 16.0,
+        noise: float = 1.0,
+    ) -> None:
+        self.rng = np.random.default_rng(seed)
+        x = np.arange(-side_m / 2, side_m / 2 + 0.1, 4.0)
+        self.tags = {f"T{k}": p for k, p in enumerate(np.array(np.meshgrid(x, x)).reshape(2, -1).T.tolist())}
+        self.start = start or Pose2(0.0, -5.0, 0.0)
+        self.steps, self.reach_m, self.noise = steps, reach_m, noise
+        self.range_sd_m, self.bearing_sd_rad, self.lasting_s = range_sd_m, bearing_sd_rad, lasting_s
+        self.pose = self.start
+        self._errors: dict[str, tuple[int, np.ndarray]] = {}
+
+    def run(self, tag_filter, step_s: float = 0.5, on_step=lambda k: None, bearing: bool = True):
+        """Feed a filter whose map frame is the world's."""
+        for k in range(self.steps):
+            motion = Pose2(0.25, 0.0, 0.05 + 0.04 * np.sin(k / 9.0))
+            self.pose = self.pose @ motion
+            seen_sd = self.step_sd * self.noise * self.rng.standard_normal(3)
+            told = Pose2.from_array(motion.as_array() + seen_sd)
+            tag_filter.predict(GaussianPose(told, np.diag(self.step_sd**2)))
+            for tag_id in self.tags:
+                sighting = self.sighting(tag_id, k * step_s, bearing)
+                if sighting is not None:
+                    tag_filter.see(sighting)
+            on_step(k)
+        return tag_filter
+
+    def sighting(self, tag_id: str, stamp_s: float, bearing: bool = True) -> RangeSighting | None:
+        """What the robot measures of a tag from where it is."""
+        x, y = self.pose.inverse().transform_point(*self.tags[tag_id])
+        if np.hypot(x, y) > self.reach_m:
+            return None
+        off = self._error(tag_id, stamp_s) * (self.range_sd_m, self.bearing_sd_rad) * self.noise
+        measured = max(float(np.hypot(x, y) + off[0]), 0.0)
+        if not bearing:
+            return RangeSighting(tag_id, stamp_s, measured, self.range_sd_m)
+        direction = wrap(float(np.arctan2(y, x) + off[1]))
+        return RangeSighting(tag_id, stamp_s, measured, self.range_sd_m, direction, self.bearing_sd_rad)
+
+    def _error(self, tag_id: str, stamp_s: float) -> np.ndarray:
+        fresh = self.rng.standard_normal(2)
+        if self.lasting_s and tag_id in self._errors:
+            last_s, last = self._errors[tag_id]
+            rho = np.exp(-(stamp_s - last_s) / self.lasting_s)
+            fresh = rho * last + np.sqrt(1.0 - rho * rho) * fresh
+        self._errors[tag_id] = (stamp_s, fresh)
+        return fresh
+
+
+@pytest.fixture
+def tag_walk() -> type[TagWalk]:
+    return TagWalk

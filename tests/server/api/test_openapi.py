@@ -27,7 +27,7 @@ def operations(document):
 
 def test_every_operation_is_described(document):
     found = operations(document)
-    assert len(found) == 28
+    assert len(found) == 31
     for method, path, operation in found:
         assert path.startswith("/api/v1/"), path
         assert len(operation["summary"]) > 3, (method, path)
@@ -78,10 +78,15 @@ def test_the_examples_are_accepted(control, document):
         assert schema["examples"], (method, path)
         for example in schema["examples"]:
             address = path.format(
-                mission_id=mission.mission_id, robot_id="r1", victim_id="v1", annotation_id=uuid4()
+                mission_id=mission.mission_id,
+                robot_id="r1",
+                victim_id="v1",
+                alert_id="hot:N1",
+                annotation_id=uuid4(),
             ).removeprefix("/api/v1")
             response = control.call(method.upper(), address, example)
-            expected = (404,) if "victims" in path else (200, 201)  # nobody has seen a victim yet
+            # nobody has seen a victim yet, nor is it hot anywhere
+            expected = (404,) if {"victims", "alerts"} & set(path.split("/")) else (200, 201)
             assert response.status_code in expected, (method, path, response.text)
             sent += 1
     assert sent >= 9

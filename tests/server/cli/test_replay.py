@@ -102,6 +102,26 @@ def test_by_odometry_alone_the_graph_is_not_solved(team, tmp_path, capsys):
     assert without["ate_m"]["r1"] > 3.0 * with_tags["ate_m"]["r1"]
 
 
+def test_a_filter_over_the_landmarks_beats_odometry(team, capsys):
+    arguments = ["replay", "mrclam", str(team), "--robots", "r1", "--json", "--slam"]
+    errors = {}
+    for slam in ("ekf", "odometry"):
+        assert run([*arguments, slam]) == 0
+        errors[slam] = json.loads(capsys.readouterr().out)["ate_online_m"]["r1"]
+    assert 3.0 * errors["ekf"] < errors["odometry"]
+
+
+def test_later_robots_read_what_earlier_ones_left_in_the_tags(team, capsys):
+    arguments = ["replay", "mrclam", str(team), "--slam", "ekf", "--no-robot-sightings", "--json"]
+    errors = {}
+    for memory in ("none", "tags"):
+        assert run([*arguments, "--memory", memory]) == 0
+        errors[memory] = json.loads(capsys.readouterr().out)["ate_online_m"]
+    assert errors["tags"]["r1"] == errors["none"]["r1"]
+    assert errors["tags"]["r4"] != errors["none"]["r4"]
+    assert errors["tags"]["r4"] < 0.1
+
+
 def test_robots_go_through_a_recording_in_the_order_asked_for(team, tmp_path, capsys):
     arguments = ["replay", "mrclam", str(team), "--order", "r4,r1", "--out", str(tmp_path), "--json"]
     assert run(arguments) == 0
@@ -151,7 +171,13 @@ def test_relations_are_compared_on_demand(recording, tmp_path, capsys):
         (["intel", "FILE", "--virtual-tags", "0"], "--virtual-tags has to be greater than 0"),
         (["intel", "FILE", "--virtual-tags", "nan"], "--virtual-tags has to be a finite number"),
         (["intel", "FILE", "--speed", "-1"], "--speed has to be 0 or more"),
-        (["intel", "FILE", "--slam", "ekf"], "--slam has to be tag-graph or odometry, not 'ekf'"),
+        (
+            ["intel", "FILE", "--slam", "magic"],
+            "--slam has to be tag-graph, ekf, rslam or odometry, not 'magic'",
+        ),
+        (["intel", "FILE", "--memory", "paper"], "--memory has to be none or tags, not 'paper'"),
+        (["intel", "FILE", "--server", "ftp://x", "--memory", "tags"], "belong to a replay without --server"),
+        (["g2o", "FILE", "--no-robot-sightings"], "a pose graph has no robots and no sensors"),
         (["intel", "FILE", "--robots", "2"], "--robots 2: the recording has 1: r1"),
         (["intel", "FILE", "--order", "r2"], "--order: there is no robot 'r2'; there are r1"),
         (["intel", "FILE", "--relations", "absent"], "cannot read the relations absent"),

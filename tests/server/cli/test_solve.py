@@ -68,5 +68,16 @@ def test_the_benchmarks_of_graphs_reach_the_optimum(path, capsys, name):
     assert run(["bench", name, "--graph", str(path), "--json"]) == 0
     result = json.loads(capsys.readouterr().out)[f"{name} graph"]
     assert result["chi2"] == pytest.approx(100 * 3 * 0.1**2, rel=1e-3)
-    assert run(["bench", name]) == 1
+
+
+def test_a_graph_that_is_to_grow_has_to_be_named(capsys):
+    assert run(["bench", "incremental"]) == 1
     assert "needs a pose graph" in capsys.readouterr().err
+
+
+def test_the_small_graph_is_measured_without_a_file(capsys):
+    assert run(["bench", "solve", "--json"]) == 0
+    small = json.loads(capsys.readouterr().out)["solve small"]
+    assert (small["vertices"], small["edges"]) == (50, 200)
+    assert small["chi2"] == pytest.approx(3 * (200 - 49), rel=0.25)  # one a number beyond what is free
+    assert small["covariances_ms"] > 0.0
