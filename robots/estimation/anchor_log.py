@@ -37,7 +37,7 @@ class AnchorLog:
         self._stamps.append(stamp_s)
         self._yaws.append(np.nan if yaw_rad is None else yaw_rad)
 
-    def add_range(self, sighting: RangeSighting, anchor_from_base: Pose2) -> None:
+    def add_range(self, sighting: RangeSighting, anchor_from_base: GaussianPose) -> None:
         """Note a tag heard from a pose since the newest anchor."""
         self._ranges.setdefault((self.newest, sighting.tag_id), RangeMean()).add(sighting, anchor_from_base)
 

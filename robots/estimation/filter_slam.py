@@ -195,7 +195,7 @@ class FilterSlam(TrackedSlam):
     def _note(self, observation: Observation, heard: list[RangeSighting], passed: list[TagSighting]) -> None:
         here = self._taken
         for ranged in heard:
-            self._log.add_range(ranged, here.mean)
+            self._log.add_range(ranged, here)
         antenna = self._config.antenna
         for sighting in passed:
             self._log.add_passed(sighting.tag_id, (antenna.ahead_m, 0.0), np.diag(antenna.variances))

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from math import sqrt
+from math import cos, hypot, sin, sqrt
 from typing import Any
 
 import numpy as np
 
 from robots.estimation.tag_filter import RangeSighting
-from robots.se2 import Pose2, wrap
+from robots.se2 import Array, GaussianPose, wrap
 
 
 class RangeMean:
@@ -22,17 +22,18 @@ class RangeMean:
         self.bearing: float | None = None
         self.bearing_sd: float | None = None
 
-    def add(self, sighting: RangeSighting, anchor_from_base: Pose2) -> None:
-        """Take in a sighting made from a pose of the base in the anchor's frame."""
-        antenna = (anchor_from_base @ sighting.base_from_antenna).as_array()
+    def add(self, sighting: RangeSighting, anchor_from_base: GaussianPose) -> None:
+        """Take in a sighting made from a pose of the base in the anchor's frame, with that one's error."""
+        antenna = (anchor_from_base.mean @ sighting.base_from_antenna).as_array()
+        along, across = _spread_of_base(sighting, antenna[2], anchor_from_base.covariance)
         self.count += 1
         share = 1.0 / self.count
         turn = wrap(antenna[2] - self.pose[2]) if self.count > 1 else antenna[2]
         self.pose += np.array([*(antenna[:2] - self.pose[:2]), turn]) * share
         self.range_m += (sighting.range_m - self.range_m) * share
-        self.variance += (sighting.range_sd_m**2 - self.variance) * share
+        self.variance += (sighting.range_sd_m**2 + along - self.variance) * share
         if sighting.bearing_rad is not None:
-            self.bearing_sd = sighting.bearing_sd_rad
+            self.bearing_sd = hypot(sighting.bearing_sd_rad or 0.0, sqrt(across))
             before = sighting.bearing_rad if self.bearing is None else self.bearing
             self.bearing = before + wrap(sighting.bearing_rad - before) * share
 
@@ -41,6 +42,16 @@ class RangeMean:
         bearing = np.nan if self.bearing is None else wrap(self.bearing)
         bearing_sd = np.nan if self.bearing_sd is None else self.bearing_sd
         return (*self.pose, self.range_m, sqrt(self.variance), bearing, bearing_sd)
+
+
+def _spread_of_base(sighting: RangeSighting, facing_rad: float, covariance: Array) -> tuple[float, float]:
+    """Return the variances of range (m2) and bearing (rad2) that come from the pose they were made from."""
+    if sighting.bearing_rad is None:
+        return float(covariance[0, 0] + covariance[1, 1]) / 2.0, 0.0
+    c, s = cos(facing_rad + sighting.bearing_rad), sin(facing_rad + sighting.bearing_rad)
+    u = np.array([c, s, 0.0])
+    v = np.array([-s, c, 0.0]) / max(sighting.range_m, sighting.range_sd_m) + [0.0, 0.0, 1.0]
+    return max(float(u @ covariance @ u), 0.0), max(float(v @ covariance @ v), 0.0)
 
 
 def table(means: Mapping[tuple[int, int], RangeMean]) -> dict[str, Any]:

@@ -37,7 +37,7 @@ _SCALE_SD, _OFFSET_SD_M, _MOUNT_SD_RAD = 0.1, 0.2, 0.02  # of radios and cameras
 _ROUNDS, _STEPS = 4, 15  # deviations and shares are set anew each round
 _SETTLED = 1e-6  # of the cost: less is no gain
 _FIRST_DAMPING, _MOST_DAMPING = 1e-6, 1e9
-_LOWER = 1.0  # by which another place of a node has to cost less
+_LOWER = 9.0  # by which another place of a node has to cost less: three deviations
 
 
 @dataclass(frozen=True, slots=True, eq=False)

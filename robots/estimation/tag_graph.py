@@ -79,9 +79,9 @@ class TagGraph:
         self._sightings[pair] = (count + 1, mean, spread)
         return news
 
-    def add_range(self, sighting: RangeSighting, base: Pose2) -> bool:
+    def add_range(self, sighting: RangeSighting, base: GaussianPose) -> bool:
         """Note a tag seen by range and bearing from ``base`` in the newest pose's frame; say as above."""
-        antenna = base @ sighting.base_from_antenna
+        antenna = base.mean @ sighting.base_from_antenna
         bearing = sighting.bearing_rad or 0.0
         ahead = sighting.range_m * cos(bearing), sighting.range_m * sin(bearing)
         new = sighting.tag_id not in self.tags

@@ -102,13 +102,13 @@ class TagSlam(TrackedSlam):
         for sighting in read:
             known |= self._see(sighting.tag_id, (self._config.antenna.ahead_m, 0.0), self._antenna_spread)
             self._last_passed = (sighting.tag_id, self.distance_m)
-        here = self.anchor_from_base.mean
+        here = self.anchor_from_base
         for sighting in seen:
             ranged = self._ranging.range(sighting, observation.stamp_s, self.distance_m)
             known |= ranged is not None and self._graph.add_range(ranged, here)
         for robot in met:
-            place = seen_from_anchor(robot, self.anchor_from_base, self._config)
-            self._graph.add_meeting(robot.robot_id, observation.stamp_s, *place, here)
+            place = seen_from_anchor(robot, here, self._config)
+            self._graph.add_meeting(robot.robot_id, observation.stamp_s, *place, here.mean)
         closed = self._close_loop()
         solving = (known or closed) and self._config.poses == "slam" and self._config.slam == "tag-graph"
         if solving:
