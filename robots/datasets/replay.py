@@ -10,12 +10,15 @@ from typing import Any
 import numpy as np
 
 from robots.agent import ObservationError, RobotAgent
-from robots.config import AgentConfig, override
+from robots.config import AgentConfig
 from robots.datasets.recording import Recording
+from robots.overrides import override
 from robots.se2 import Array
 from robots.team import TeamMap, TeamRobot, TeamUpdate
 from robots.trajectory import Trajectory, TrajectoryStep, edges_of, final_trajectory
 from robots.types import AgentUpdate, GraphReport, Observation
+
+_ROOM_BYTES = 12_000  # of a tag in a recording, with --memory: as much as an active node has
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -70,8 +73,11 @@ def replay(
         raise ValueError("there is no robot to replay")
     days = []
     tags = TagMemories(memory)
-    changes = {**(changes or {}), **({"map_memory": True} if memory else {})}
-    configs = [override(override(AgentConfig(), recording.settings_of(name)), changes) for name in chosen]
+    if memory:
+        changes = {"tag_memory": {"room_bytes": _ROOM_BYTES}, **(changes or {}), "map_memory": True}
+    configs = [
+        override(override(AgentConfig(), recording.settings_of(name)), changes or {}) for name in chosen
+    ]
     team = TeamMap(configs[0].mapping.resolution_m)
     for robot_id, config in zip(chosen, configs, strict=True):
         team.add_robot(robot_id, recording.start_pose(robot_id))

@@ -21,7 +21,8 @@ from robots.estimation.tag_filter import RangeSighting, TagFilter
 from robots.estimation.tracked import TrackedSlam
 from robots.se2 import GaussianPose, Pose2, compose_jacobians
 from robots.tags.map_memory import TagBelief
-from robots.tags.memory import TagMemoryError, decode_memory
+from robots.tags.memory import TagMemoryError
+from robots.tags.sealed import open_memory
 from robots.types import GraphReport, ImuReading, Observation, TagSighting
 
 _WRITE_EVERY_S = 5.0  # a tag within reach is written so often
@@ -171,10 +172,10 @@ class FilterSlam(TrackedSlam):
         if not self._config.map_memory:
             return
         try:
-            maps = decode_memory(sighting.memory).maps
+            says = open_memory(sighting.memory, sighting.tag_id, self._config.tag_memory.key_bytes)
         except TagMemoryError:
             return  # the server tells of it; the tag is left as it is
-        for each in maps:
+        for each in says.memory.maps if says.trusted else ():
             if each.writer != self._robot_id and each.revision > self._revisions.get(each.writer, -1):
                 self._revisions[each.writer] = each.revision
                 self._filter.read_map(each)

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 import typer
 
-from server.cli import bench, demo, evaluate, experiment, export, replay, serve, simulate, solve, warm
+from server.cli import bench, demo, evaluate, experiment, export, replay, serve, simulate, solve, tag, warm
 from server.cli.console import CommandError, say
 
 
@@ -30,6 +30,7 @@ def build() -> typer.Typer:
     command.command("solve")(solve.solve)
     command.command("experiment")(experiment.experiment)
     command.command("bench")(bench.bench)
+    command.add_typer(tag.tag)
     command.command("warm")(warm.warm)
     return command
 

@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 
 from robots.agent import RobotAgent
-from robots.config import AgentConfig, override
+from robots.config import AgentConfig
 from robots.datasets.mrclam import load
 from robots.datasets.recording import RecordingError
 from robots.evaluation import absolute_error
+from robots.overrides import override
 from robots.se2 import Pose2
 from robots.trajectory import Trajectory
 

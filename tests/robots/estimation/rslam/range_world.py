@@ -7,9 +7,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from robots.config import AgentConfig, override
+from robots.config import AgentConfig
 from robots.estimation.rslam.range_slam import RangeSlam
 from robots.estimation.tag_filter import RangeSighting
+from robots.overrides import override
 from robots.se2 import GaussianPose, Pose2
 
 Reading = Callable[["World", str, float], float | None]
