@@ -199,7 +199,8 @@ class GraphReport:
 
     ``meeting_robots`` r names of robots that were seen, ``meeting_poses`` (r,) index of the pose vertex,
     ``meeting_stamps_s`` (r,) when, ``meeting_offsets`` (r, 2) the other's base in the vertex' frame,
-    ``meeting_covariances`` (r, 2, 2).
+    ``meeting_covariances`` (r, 2, 2), ``meeting_bases`` (r, 3) the seer's own base in the vertex' frame then;
+    without them it stood at the vertex.
 
     ``range_pairs`` (q, 2) pose index, tag index of tags that were seen by range; ``range_poses`` (q, 3) the
     antenna in the vertex' frame; ``ranges_m`` (q,) as measured, ``range_sds_m`` (q,) their deviations;
@@ -227,6 +228,7 @@ class GraphReport:
     meeting_stamps_s: Array = field(default_factory=lambda: np.zeros(0))
     meeting_offsets: Array = field(default_factory=lambda: np.zeros((0, 2)))
     meeting_covariances: Array = field(default_factory=lambda: np.zeros((0, 2, 2)))
+    meeting_bases: Array = field(default_factory=lambda: np.zeros((0, 3)))
     range_pairs: IntArray = field(default_factory=lambda: np.zeros((0, 2), np.int64))
     range_poses: Array = field(default_factory=lambda: np.zeros((0, 3)))
     ranges_m: Array = field(default_factory=lambda: np.zeros(0))
