@@ -23,6 +23,7 @@ class MissionRecord:
     state: str
     created_unix_s: float
     stopped_all: bool = False
+    tag_key: str = ""  # hexadecimal; seals what is written into the mission's tags
 
 
 @dataclass(frozen=True, slots=True)

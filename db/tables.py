@@ -44,6 +44,7 @@ missions = Table(
     Column("state", String(20), nullable=False),
     Column("created_unix_s", Float, nullable=False),
     Column("stopped_all", Boolean, nullable=False),
+    Column("tag_key", String(64), nullable=False, server_default=""),
 )
 
 robots = Table(

@@ -72,10 +72,9 @@ class TagStore:
 
         return await self._database.write(work)
 
-    async def memory_of(self, mission_id: str, tag_id: str) -> bytes | None:
-        """Return the memory of a tag as it was last merged, None when nothing was ever read or written."""
-        version, memory = await self._database.read(lambda c: _latest(c, mission_id, tag_id))
-        return memory if version else None
+    async def memory_of(self, mission_id: str, tag_id: str) -> tuple[int, bytes]:
+        """Return version and memory of a tag as it was last merged; version 0 where nothing is known."""
+        return await self._database.read(lambda c: _latest(c, mission_id, tag_id))
 
 
 def place_columns(place: PointRecord) -> dict[str, float]:

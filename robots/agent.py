@@ -23,7 +23,8 @@ from robots.planning.plan_grid import plan_grid
 from robots.snapshot import freeze, thaw
 from robots.tags.deployment import TagDropper
 from robots.tags.map_memory import MAX_BELIEFS, WriterMap
-from robots.tags.memory import TagMemory, TagMemoryError, decode_memory, encode_memory, observed_memory
+from robots.tags.memory import TagMemory, TagMemoryError, observed_memory
+from robots.tags.sealed import close_memory, open_memory
 from robots.types import AgentUpdate, Command, Observation, RobotSighting, TagSighting, TagWrite
 from robots.victims import VictimTracker
 
@@ -203,13 +204,19 @@ class RobotAgent:
 
     def _writes(self, sighting: TagSighting, slam: Slam) -> TagWrite | None:
         """Leave in the tag what is known round it, and where the others are, merged with what it said."""
+        tag_id, told = sighting.tag_id, self.config.tag_memory
         try:
-            said = decode_memory(sighting.memory)
+            says = open_memory(sighting.memory, tag_id, told.key_bytes)
         except TagMemoryError:
-            return None  # a stranger's or a damaged memory is left as it is
-        mine = TagMemory(self._coverage(sighting.tag_id, slam).cells, self._map_to_leave(slam))
-        memory = encode_memory(said.merge(mine))
-        return None if decode_memory(memory) == said else TagWrite(sighting.tag_id, memory)
+            return None
+        if not says.trusted:
+            return None  # a stranger's memory is left as it is
+        mine = TagMemory(self._coverage(tag_id, slam).cells, self._map_to_leave(slam))
+        memory = says.memory.merge(mine).fit(told.room_bytes)
+        if memory == says.memory:
+            return None
+        record = close_memory(memory, says.next_revision, tag_id, told.key_bytes, told.room_bytes)
+        return TagWrite(tag_id, record)
 
     def _coverage(self, tag_id: str, slam: Slam) -> TagMemory:
         """Return what is known of the ground round a tag; its frame needs a compass."""

@@ -102,10 +102,14 @@ class RobotClient:
         """Observations kept that the server has not acknowledged."""
         return len(self._backlog)
 
-    def create_mission(self, name: str) -> Json:
-        """Open the mission, or join it where it exists. Return the server's description of it."""
+    def create_mission(self, name: str, tag_key: str | None = None) -> Json:
+        """Open the mission, or join it where it exists. Return the server's description of it.
+
+        ``tag_key``: seals what its robots write into tags, in hexadecimal digits; the server makes one up.
+        """
+        body = {"name": name, "mission_id": self._mission_id, "tag_key": tag_key}
         try:
-            return self.request("POST", self._root, {"name": name, "mission_id": self._mission_id})
+            return self.request("POST", self._root, body)
         except ClientError as error:
             if error.status != 409:
                 raise

@@ -5,47 +5,10 @@ Derived values are properties beside what they derive from.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, fields, is_dataclass, replace
+from dataclasses import dataclass, field
 from itertools import pairwise
-from math import cos, isfinite, radians, sin
-from typing import Any, Literal, TypeVar, get_args, get_origin, get_type_hints
-
-C = TypeVar("C")
-
-_SIGNED = frozenset({"ahead_m", "front_ahead_m", "power_at_1m_dbm", "rear_ahead_m"})  # others are 0 or more
-_POSITIVE = frozenset(
-    {
-        "along_m",
-        "anchor_travel_m",
-        "anchor_turn_rad",
-        "across_m",
-        "bearing_sd_rad",
-        "cell_m",
-        "gate_sd",
-        "key_scan_m",
-        "key_scan_rad",
-        "local_scans",
-        "max_range_m",
-        "max_speed_mps",
-        "max_turn_radps",
-        "path_loss_exponent",
-        "place_m",
-        "place_sd_m",
-        "point_sd_m",
-        "radius_m",
-        "range_sd_m",
-        "reach_m",
-        "readings",
-        "resolution_m",
-        "spacing_m",
-        "tag_kernel_sd",
-        "track_width_m",
-        "window_m",
-        "window_rad",
-    }
-)
-_LONGEST = 100  # of a list of numbers
-_INT8 = frozenset({"hit_logodds", "miss_logodds", "limit_logodds"})  # as they leave the process
+from math import cos, radians, sin
+from typing import Literal
 
 
 class ConfigError(ValueError):
@@ -206,6 +169,19 @@ class RadioConfig:
 
 
 @dataclass(frozen=True, slots=True)
+class RangeSlamConfig:
+    """Range-only SLAM by particles (Sun 2009): measured = scale * true + offset of the node."""
+
+    particles: int = 1000
+    resample_below: float = 0.5  # effective sample size, as a share of the particles
+    scale_sd: float = 0.1  # of the scale of all ranges, about 1
+    offset_sd_m: float = 0.3  # of a node's offset, about 0
+    offset_lasts_s: float = 0.0  # an offset fades and comes anew within so long; 0: it stays
+    outlier_share: float = 0.02  # of the ranges, which may be anything
+    outlier_reach_m: float = 20.0  # over so much
+
+
+@dataclass(frozen=True, slots=True)
 class EkfConfig:
     """EKF-SLAM over tags (Ziparo 2007)."""
 
@@ -237,6 +213,28 @@ class DeploymentConfig:
     spacing_m: float = 4.0
     side_window_m: float = 1.5
     rate_per_m: float = 1.2  # expected drops per metre where tags are wanted most
+
+
+@dataclass(frozen=True, slots=True)
+class TagMemoryConfig:
+    """What tags remember: how much, and under which seal."""
+
+    room_bytes: int = 196  # of content in a tag of 2,048 bits, beside a link, header, checksum and seal
+    key: str = ""  # of the mission, in hexadecimal digits: memories sealed with another are not believed
+
+    def __post_init__(self) -> None:
+        """Refuse a key that is none. Raises ConfigError."""
+        try:
+            too_long = len(self.key_bytes) > 32
+        except ValueError:
+            too_long = True
+        if too_long:
+            raise ConfigError("tag_memory.key has to be at most 64 hexadecimal digits, two for each byte")
+
+    @property
+    def key_bytes(self) -> bytes:
+        """The key itself."""
+        return bytes.fromhex(self.key)
 
 
 @dataclass(frozen=True, slots=True)
@@ -278,77 +276,16 @@ class AgentConfig:
     graph: GraphConfig = field(default_factory=GraphConfig)
     ranging: RangingConfig = field(default_factory=RangingConfig)
     radio: RadioConfig = field(default_factory=RadioConfig)
+    rslam: RangeSlamConfig = field(default_factory=RangeSlamConfig)
     ekf: EkfConfig = field(default_factory=EkfConfig)
     loops: LoopConfig = field(default_factory=LoopConfig)
     deployment: DeploymentConfig = field(default_factory=DeploymentConfig)
+    tag_memory: TagMemoryConfig = field(default_factory=TagMemoryConfig)
     victims: VictimConfig = field(default_factory=VictimConfig)
     planning: PlanningConfig = field(default_factory=PlanningConfig)
     poses: Literal["slam", "truth"] = "slam"  # "truth": odometry is exact; nothing is estimated (experiments)
-    # "odometry": tags are noted, the graph never solved; "ekf": a filter over tags seen from afar
-    slam: Literal["tag-graph", "odometry", "ekf"] = "tag-graph"
+    # "odometry": tags are noted, the graph never solved; "ekf": a filter over tags seen from afar; "rslam":
+    # particles, by ranges alone
+    slam: Literal["tag-graph", "odometry", "ekf", "rslam"] = "tag-graph"
     map_memory: bool = False  # leave maps of tags in the tags' memories, and use those that others left
     seed: int = 0
-
-
-def override(config: C, changes: dict[str, Any], where: str = "config") -> C:
-    """Return the config with nested changes applied, as in ``{"body": {"radius_m": 0.3}}``.
-
-    Raises:
-        ConfigError: a name is unknown, or a value is of the wrong type or out of range; the message names it.
-    """
-    hints = get_type_hints(type(config))
-    known = {item.name: getattr(config, item.name) for item in fields(config)}  # type: ignore[arg-type]
-    new: dict[str, Any] = {}
-    for name, value in changes.items():
-        if name not in known:
-            raise ConfigError(f"{where}.{name} is no setting; known are {', '.join(known)}")
-        new[name] = _checked(known[name], hints[name], value, f"{where}.{name}")
-    return replace(config, **new)  # type: ignore[type-var]
-
-
-def _checked(old: Any, hint: Any, value: Any, where: str) -> Any:
-    if is_dataclass(old) and not isinstance(old, type):
-        if not isinstance(value, dict):
-            raise ConfigError(f"{where} has to be an object")
-        return override(old, value, where)
-    if isinstance(old, str):
-        if not isinstance(value, str):
-            raise ConfigError(f"{where} has to be text")
-        if get_origin(hint) is Literal and value not in get_args(hint):
-            raise ConfigError(f"{where} has to be one of {', '.join(get_args(hint))}")
-        return value
-    if value is None and type(None) in get_args(hint):
-        return value
-    if isinstance(old, tuple):
-        if not isinstance(value, list | tuple) or len(value) > _LONGEST:
-            raise ConfigError(f"{where} has to be a list of at most {_LONGEST} numbers")
-        return tuple(_checked(0.0, float, each, where) for each in value)
-    if isinstance(old, bool):
-        if not isinstance(value, bool):
-            raise ConfigError(f"{where} has to be true or false")
-        return value
-    if isinstance(value, bool) or not isinstance(value, int | float) or not _is_finite(value):
-        raise ConfigError(f"{where} has to be a finite number")
-    _check_range(value, where)
-    if isinstance(old, int):
-        if value != int(value):
-            raise ConfigError(f"{where} has to be a whole number")
-        return int(value)
-    return float(value)
-
-
-def _is_finite(value: float) -> bool:
-    try:
-        return isfinite(value)
-    except OverflowError:  # a whole number beyond all floats
-        return False
-
-
-def _check_range(value: float, where: str) -> None:
-    name = where.rpartition(".")[2]
-    if name in _POSITIVE and value <= 0:
-        raise ConfigError(f"{where} has to be more than 0")
-    if name not in _SIGNED and value < 0:
-        raise ConfigError(f"{where} has to be 0 or more")
-    if name in _INT8 and value > 127:
-        raise ConfigError(f"{where} has to be 127 or less")

@@ -15,7 +15,9 @@ from robots.estimation.cloud_matching import Cloud, Window, match_clouds
 from robots.estimation.contradiction import share_seen_through
 from robots.estimation.ekf import EkfFilter
 from robots.estimation.graph import solve
+from robots.estimation.rslam.range_slam import RangeSlam
 from robots.estimation.scan_points import scan_points
+from robots.estimation.smoothing import smooth_radio
 from robots.estimation.tag_filter import RangeSighting
 from robots.estimation.tag_graph import TagGraph, graph_problem
 from robots.se2 import GaussianPose, Pose2
@@ -54,7 +56,21 @@ def warm_up() -> None:
     RobotAgent.restore(agent.snapshot()).smoothed()
     _warm_up_bad_starts()
     _warm_up_loops(scan)
+    _warm_up_ranges()
     _warm_up_radio_tags()
+    _warm_up_batch()
+
+
+def _warm_up_ranges() -> None:
+    """Drive among radio nodes until one has its place."""
+    slam = RangeSlam("warm-up", AgentConfig(), Pose2())
+    for turn in range(40):
+        slam.predict(GaussianPose(Pose2(0.5, 0.0, 0.2), np.eye(3) * 1e-4))
+        here = slam.belief.mean
+        slam.see(RangeSighting("warm", float(turn), float(np.hypot(here.x - 5.0, here.y - 4.0)), 0.1))
+        slam.anchor()
+    slam.see_heading(slam.belief.mean.theta, 0.1)
+    slam.tags()
 
 
 def _warm_up_radio_tags() -> None:
@@ -66,6 +82,18 @@ def _warm_up_radio_tags() -> None:
         ekf.see(RangeSighting("warm", float(k), 2.0, 0.1, 0.1, 0.1))
         ekf.see(RangeSighting("warm-too", float(k), 2.0, 0.1))
     ekf.own_map()
+
+
+def _warm_up_batch() -> None:
+    """Solve a small graph of ranges, one of its tags without bearings."""
+    graph = TagGraph(AgentConfig(), Pose2(), 0.0, None)
+    here = GaussianPose(Pose2(), np.eye(3) * 1e-4)
+    for turn in range(6):
+        graph.add_pose(GaussianPose(Pose2(1.0, 0.0, 0.9), np.eye(3) * 1e-4), float(turn), None)
+        x, y = graph.poses[-1].inverse().transform_point(2.0, 3.0)
+        graph.add_range(RangeSighting("warm", float(turn), float(np.hypot(x, y)), 0.1), here)
+        graph.add_range(RangeSighting("warm-too", float(turn), 1.0, 0.1, 0.1, 0.1), here)
+    smooth_radio(graph.report(), AgentConfig())
 
 
 def _warm_up_loops(scan: LaserScan) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import re
+import secrets
 import time
 from typing import Protocol
 
@@ -71,8 +72,8 @@ class Missions:
             mission = await self._add(record)
             await mission.restore()
 
-    async def open(self, name: str, mission_id: str | None) -> Mission:
-        """Open a mission.
+    async def open(self, name: str, mission_id: str | None, tag_key: str | None = None) -> Mission:
+        """Open a mission; without a key for its tags one is made at random.
 
         Raises:
             ApiError: there is a mission of that id already.
@@ -85,7 +86,9 @@ class Missions:
                     f"There is a mission {mission_id!r} already; join it, or choose another mission_id.",
                     "mission_id",
                 )
-            record = MissionRecord(mission_id or self._id_for(name), name, "running", time.time())
+            key = secrets.token_hex(16) if tag_key is None else tag_key
+            mission_id = mission_id or self._id_for(name)
+            record = MissionRecord(mission_id, name, "running", time.time(), tag_key=key)
             await self._store.missions.create_mission(record)
             mission = await self._add(record)
             mission.begin()

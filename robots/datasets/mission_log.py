@@ -19,10 +19,11 @@ from typing import Any
 import numpy as np
 
 from robots import codec
-from robots.config import AgentConfig, ConfigError, override
+from robots.config import AgentConfig, ConfigError
 from robots.datasets.conformity import fault
 from robots.datasets.log_lines import json_object, read_lines
 from robots.datasets.recording import RecordingError
+from robots.overrides import override
 from robots.se2 import Array, Pose2
 from robots.team import StartPose
 from robots.trajectory import Trajectory

@@ -54,9 +54,13 @@ _SETTINGS: dict[str, Any] = {
         "lateral_sd_per_sqrt_m": 0.02,
     },
     "ranging": {"range_sd_m": 0.03, "range_sd_per_m": 0.045, "bearing_sd_rad": 0.018},
+    "rslam": {"scale_sd": 0.03, "offset_sd_m": 0.12, "offset_lasts_s": 5.0},
     "deployment": {"magazine": 0},
     "planning": {"replan_every_s": 10.0},  # somebody drove it; where our agent would go is only looked at
 }
+
+# particles take every range for a new one: a deviation for ranges whose errors stay the same for seconds
+_BY_RANGE: dict[str, Any] = {"slam": "rslam", "ranging": {"range_sd_m": 0.1, "range_sd_per_m": 0.06}}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -84,6 +88,7 @@ class MrclamRecording:
     landmarks: dict[str, tuple[float, float]]
     name: str = "mrclam"
     truth_gap_s: float = 0.5
+    range_only: bool = False  # leave out bearings, and with them the other robots
 
     @property
     def robots(self) -> tuple[str, ...]:
@@ -93,11 +98,11 @@ class MrclamRecording:
     @property
     def settings(self) -> dict[str, Any]:
         """Overrides of ``AgentConfig`` for this hardware."""
-        return _SETTINGS
+        return _SETTINGS | _BY_RANGE if self.range_only else _SETTINGS
 
     def settings_of(self, robot_id: str) -> dict[str, Any]:
         """Return the same: the robots are alike."""
-        return _SETTINGS
+        return self.settings
 
     def start_pose(self, robot_id: str) -> StartPose | None:
         """Return nothing: the map begins where the robot did."""
@@ -131,17 +136,17 @@ class MrclamRecording:
                 seq=seq,
                 stamp_s=float(stamp),
                 odometry=Displacement(*(float(value) for value in motion)),
-                tag_sightings=tuple(
-                    TagSighting(f"L{seen.subjects[k]}", b"", *_place(seen, k))
-                    for k in here
-                    if seen.subjects[k] not in _ROBOTS
-                ),
+                tag_sightings=tuple(self._sighting(seen, k) for k in here if seen.subjects[k] not in _ROBOTS),
                 robot_sightings=tuple(
                     RobotSighting(f"r{seen.subjects[k]}", *_place(seen, k))
                     for k in here
-                    if seen.subjects[k] in _ROBOTS
+                    if seen.subjects[k] in _ROBOTS and not self.range_only
                 ),
             )
+
+    def _sighting(self, seen: _Sightings, k: int) -> TagSighting:
+        range_m, bearing = _place(seen, k)
+        return TagSighting(f"L{seen.subjects[k]}", b"", range_m, None if self.range_only else bearing)
 
 
 def load(path: Path, virtual_tags_m: float | None = None) -> MrclamRecording:

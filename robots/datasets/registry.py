@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from robots.datasets import csail, intel, mission_log, mrclam
+from robots.datasets import csail, intel, mission_log, mrclam, plaza
 from robots.datasets.recording import Recording, RecordingError
 
 DATASETS: dict[str, Callable[[Path, float | None], Recording]] = {
@@ -13,6 +13,7 @@ DATASETS: dict[str, Callable[[Path, float | None], Recording]] = {
     "intel": intel.load,
     "log": mission_log.load,
     "mrclam": mrclam.load,
+    "plaza": plaza.load,
 }
 
 

@@ -30,7 +30,9 @@ class RangeSighting:
 class TagFilter(Protocol):
     """A filter over the robot's pose and the tags, in the map frame, which begins at the robot's start."""
 
-    range_scale: float  # what it has learnt of the radios: measured = scale * true + offset of the tag
+    @property
+    def range_scale(self) -> float:
+        """What it has learnt of the radios: measured = scale * true + offset of the tag."""
 
     @property
     def belief(self) -> GaussianPose:

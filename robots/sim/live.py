@@ -185,7 +185,7 @@ def _close_on(stop: Event, ended: Event, clients: dict[str, RobotClient]) -> Non
 
 def _register(simulation: Simulation, clients: dict[str, RobotClient], name: str) -> None:
     config = simulation.config
-    next(iter(clients.values())).create_mission(name)
+    next(iter(clients.values())).create_mission(name, config.agent_config.tag_memory.key)
     for start, (robot_id, client) in zip(simulation.starts, clients.items(), strict=True):
         reply = client.register(
             agent=config.agent,

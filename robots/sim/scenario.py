@@ -9,21 +9,27 @@ from typing import Literal, get_args, get_type_hints
 
 import numpy as np
 
-from robots.config import AgentConfig, OdometryConfig, RadioConfig, override
+from robots.config import AgentConfig, OdometryConfig, RadioConfig
 from robots.estimation.radio import ENVIRONMENTS, TagHardware, radio_for
+from robots.overrides import override
 from robots.sim.generate import generate
 from robots.sim.hostile import HostileConfig, make_hostile
 from robots.sim.map_files import load_map
 from robots.sim.sensors import HeatConfig, LaserConfig
 from robots.sim.starts import StartKind
+from robots.sim.tags import link_of
 from robots.sim.wheels import NOISE_LEVELS, data_sheet
 from robots.sim.world import World
+from robots.tags.chip import CHIPS, Chip, chip_of, format_chip
+from robots.tags.record import content_bytes
+from robots.tags.sealed import room_in
 
 ODOMETRY_HZ = 20
 MAX_ROBOTS = 100
 START_SD_M, START_SD_RAD = 0.05, 0.02  # how well the starts are surveyed
 SLAM_KINDS: tuple[str, ...] = get_args(get_type_hints(AgentConfig)["slam"])
 FLOOR_SLAM = frozenset({"tag-graph", "odometry"})  # their robots have an antenna over the floor
+_LONG_ID = 8  # characters of a tag's id; longer ones take of the memory's room
 OTHERS = "*"  # in place of a robot's name: all that are not named
 TAG_BITS: dict[TagHardware, int] = {"near": 2048, "uhf": 2048, "node": 96_000}
 
@@ -58,9 +64,9 @@ class ScenarioConfig:
     are off by a constant each, up to ``compass_off_rad`` to either side.
 
     ``tags``: the hardware of the tags, those ``tags_in_place`` at the start (N01, N02, ...) and those that
-    robots drop. Radio tags are heard in ``environment``; robots with SLAM over the floor's tags also read the
-    chip of a tag that they drive over. ``slam``: pairs of a robot's name, or ``OTHERS``, and its kind.
-    ``tag_bits`` None: as much memory as such tags have.
+    robots drop. Radio tags are heard in ``environment``, or as ``measured_radio`` says where there is one;
+    robots with SLAM over the floor's tags also read the chip of a tag that they drive over. ``slam``: pairs
+    of a robot's name, or ``OTHERS``, and its kind. ``tag_bits`` None: as much memory as such tags have.
     """
 
     map: str = "office:300"
@@ -85,6 +91,7 @@ class ScenarioConfig:
     infrareds: int = 0
     tags: TagHardware = "near"
     environment: str = "open"
+    measured_radio: RadioConfig | None = None
     tags_in_place: int = 0
     tag_bits: int | None = None
     base_tag: bool = True
@@ -106,6 +113,9 @@ class ScenarioConfig:
         _within("laser_hz", self.laser_hz, 0.5, ODOMETRY_HZ)
         _within("compass_off_rad", self.compass_off_rad, 0.0, np.pi)
         _within("tag_bits", self.memory_bits, 0, 1_000_000)
+        if self.tags == "near" and self.memory_bits not in (0, *CHIPS):
+            known = ", ".join(map(str, CHIPS))
+            raise ScenarioError(f"tag_bits: no chip has {self.memory_bits}; use 0 for no memory, or {known}")
         _within("tags_in_place", self.tags_in_place, 0, 2000)
         _known("environment", self.environment, tuple(ENVIRONMENTS))
         _within("sonars", self.sonars, 0, 64)
@@ -153,9 +163,23 @@ class ScenarioConfig:
         return TAG_BITS[self.tags] if self.tag_bits is None else self.tag_bits
 
     @property
+    def chip(self) -> Chip | None:
+        """The chip of a near-field tag; None for others, and for one with an id alone."""
+        return chip_of(self.memory_bits) if self.tags == "near" and self.memory_bits else None
+
+    @property
+    def tag_room_bytes(self) -> int:
+        """How much content a tag has room for."""
+        if self.chip is None:
+            return room_in(self.memory_bits)
+        return content_bytes(self.chip, format_chip(self.chip, link_of("0" * _LONG_ID))[1])
+
+    @property
     def radio(self) -> RadioConfig | None:
         """The radio of the tags, None where they have none."""
-        return None if self.tags == "near" else radio_for(self.tags, self.environment)
+        if self.tags == "near":
+            return None
+        return self.measured_radio or radio_for(self.tags, self.environment)
 
     def agent_of(self, robot_id: str) -> AgentConfig:
         """Return what a robot's agent is told.
@@ -168,7 +192,8 @@ class ScenarioConfig:
         if self.radio is not None and radio == RadioConfig():
             radio = self.radio
         told = override(self.agent_config, {"slam": kind})
-        config = replace(told, poses=self.poses, seed=self.seed, radio=radio)
+        memory = replace(told.tag_memory, room_bytes=self.tag_room_bytes)
+        config = replace(told, poses=self.poses, seed=self.seed, radio=radio, tag_memory=memory)
         if self.poses == "truth" or self.noise_level == 0 or config.odometry != OdometryConfig():
             return config
         return replace(config, odometry=data_sheet(self.noise_level, config.body.track_width_m))

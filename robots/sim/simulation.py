@@ -103,7 +103,7 @@ class Simulation:
         )
         self._victims_m = np.array([(victim.x_m, victim.y_m) for victim in self.victims]).reshape(-1, 2)
         self.bodies = Bodies(self.world, starts, body, antenna)
-        self.tags = TagField(config.memory_bits)
+        self.tags = TagField(config.memory_bits, config.chip)
         if config.base_tag:
             self.tags.drop(BASE_TAG, *self._antenna(0))
         self.life = _lay_tags(config, self.world, self.tags, body.radius_m)

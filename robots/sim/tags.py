@@ -12,33 +12,47 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robots.se2 import Array
+from robots.tags.chip import Chip
+from robots.tags.reader import SimulatedTag, read_tag, write_tag
 from robots.types import TagSighting
 
 BASE_TAG = "BASE"
 WRITE_REACH_M = 0.4
+LINK = "https://w.example/t/"  # in front of a tag's id
 _REPEAT_S = 1.0  # a tag that stays under the antenna is reported so often
 
 
 @dataclass(slots=True)
 class Tag:
-    """A tag lying on the floor; ``on``: its radio works; ``tilt_rad``: how far it leans over."""
+    """A tag lying on the floor; ``on``: its radio works; ``tilt_rad``: how far it leans over.
+
+    ``records``: what it holds where it is no chip under a reader, but keeps one record whole or not at all.
+    """
 
     tag_id: str
     x_m: float
     y_m: float
-    memory: bytes = b""
+    chip: SimulatedTag | None = None
+    records: bytes = b""
     on: bool = True
     tilt_rad: float = 0.0
 
+    @property
+    def memory(self) -> bytes:
+        """The whole records in it, one after the other, as a reader hands them over."""
+        return self.records if self.chip is None else b"".join(read_tag(self.chip).records)
+
 
 class TagField:
-    """All tags of a world. A tag holds ``capacity_bits``; a longer write is refused and changes nothing.
+    """All tags of a world, as chips of a kind or, without one, with ``capacity_bits`` for a record.
 
-    ``version`` rises when a tag comes, goes, moves, or its radio is switched.
+    What is too long for a tag is refused and changes nothing. ``version`` rises when a tag comes, goes,
+    moves, or its radio is switched.
     """
 
-    def __init__(self, capacity_bits: int) -> None:
+    def __init__(self, capacity_bits: int, chip: Chip | None = None) -> None:
         self._capacity_bits = capacity_bits
+        self._chip = chip
         self._tags: list[Tag] = []
         self._indices: dict[str, list[int]] = {}
         self._places: Array = np.zeros((0, 2))
@@ -75,7 +89,8 @@ class TagField:
         if tag_id in self._indices and not twin:
             raise ValueError(f"there is a tag {tag_id} already")
         self._indices.setdefault(tag_id, []).append(len(self._tags))
-        self._tags.append(Tag(tag_id, x_m, y_m))
+        chip = None if self._chip is None else SimulatedTag.formatted(self._chip, link_of(tag_id))
+        self._tags.append(Tag(tag_id, x_m, y_m, chip))
         self._changed()
 
     def move(self, index: int, x_m: float, y_m: float) -> None:
@@ -96,23 +111,40 @@ class TagField:
         y_m: float,
         reaches: Callable[[int], bool] = lambda index: False,
     ) -> bool:
-        """Write a tag's memory from an antenna over a place, or by a radio that ``reaches`` the tag.
+        """Write a record into a tag from an antenna over a place, or by a radio that ``reaches`` the tag.
 
         Return False where the tag is out of reach or too small.
         """
-        if 8 * len(memory) <= self._capacity_bits:
-            for index in self._indices.get(tag_id, ()):
-                tag = self._tags[index]
-                if np.hypot(tag.x_m - x_m, tag.y_m - y_m) <= WRITE_REACH_M or reaches(index):
-                    tag.memory = memory
+        for index in self._indices.get(tag_id, ()):
+            tag = self._tags[index]
+            if np.hypot(tag.x_m - x_m, tag.y_m - y_m) <= WRITE_REACH_M or reaches(index):
+                if self._put(tag, memory):
                     return True
+                break
         self.refused_writes += 1
         return False
+
+    def _put(self, tag: Tag, record: bytes) -> bool:
+        if tag.chip is None:
+            if 8 * len(record) > self._capacity_bits:
+                return False
+            tag.records = record
+            return True
+        try:
+            write_tag(tag.chip, record)
+        except ValueError:
+            return False
+        return True
 
     def _changed(self) -> None:
         self._places = np.array([(tag.x_m, tag.y_m) for tag in self._tags])
         self._on = np.array([tag.on for tag in self._tags])
         self.version += 1
+
+
+def link_of(tag_id: str) -> str:
+    """Return the address that a phone opens when it touches a tag."""
+    return LINK + tag_id
 
 
 class Magazine:

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from math import isfinite
 
 MAX_WRITERS, MAX_BELIEFS = 100, 2000
+_LONGEST_NAME = 16  # bytes; beliefs and writers with longer names find no room in a tag
 _WRITER, _BELIEF = struct.Struct(">IH"), struct.Struct(">5f")
 
 
@@ -46,6 +47,28 @@ def merge_maps(first: tuple[WriterMap, ...], second: tuple[WriterMap, ...]) -> t
     return tuple(newest[writer] for writer in sorted(newest)[:MAX_WRITERS])
 
 
+def fit_maps(maps: tuple[WriterMap, ...], room_bytes: int) -> tuple[WriterMap, ...]:
+    """Return as much of the maps as has room: the same number of beliefs of each writer, the first ones.
+
+    Places are counted, not bytes, and the more writers there are, the fewer beliefs each has: so fitting
+    before a merge and after it comes to the same.
+    """
+    head, slot = 1 + _LONGEST_NAME + _WRITER.size, 1 + _LONGEST_NAME + _BELIEF.size
+    fitting = [each for each in maps if len(each.writer.encode()) <= _LONGEST_NAME]
+    fitting = fitting[: max(0, room_bytes - 1) // (head + slot)]
+    if not fitting:
+        return ()
+    count = ((room_bytes - 1) // len(fitting) - head) // slot
+    return tuple(
+        WriterMap(
+            each.writer,
+            each.revision,
+            _with_short_names(each.beliefs)[:count],
+        )
+        for each in fitting
+    )
+
+
 def pack_maps(maps: tuple[WriterMap, ...]) -> bytes:
     """Return the maps as bytes: 20 and its id for each tag.
 
@@ -61,7 +84,7 @@ def pack_maps(maps: tuple[WriterMap, ...]) -> bytes:
             numbers = _numbers(belief)
             if not all(map(isfinite, numbers)):
                 raise ValueError(f"the place of tag {belief.tag_id} is not finite")
-            parts += [_packed(belief.tag_id), _BELIEF.pack(*numbers)]
+            parts.append(_bytes(belief))
     return b"".join(parts)
 
 
@@ -103,8 +126,21 @@ def _numbers(belief: TagBelief) -> tuple[float, ...]:
     return (belief.x_m, belief.y_m, belief.variance_x, belief.covariance_xy, belief.variance_y)
 
 
-def _age(each: WriterMap) -> tuple[int, bytes]:
-    return each.revision, pack_maps((each,))  # a tie is settled alike everywhere
+def _age(each: WriterMap) -> tuple[int, list[bytes], list[bytes]]:
+    """Return what is greater for a later map.
+
+    Two of one revision are told apart alike everywhere, and by what fits first, first.
+    """
+    short = _with_short_names(each.beliefs)
+    return each.revision, [_bytes(b) for b in short], [_bytes(b) for b in each.beliefs]
+
+
+def _bytes(belief: TagBelief) -> bytes:
+    return _packed(belief.tag_id) + _BELIEF.pack(*_numbers(belief))
+
+
+def _with_short_names(beliefs: tuple[TagBelief, ...]) -> tuple[TagBelief, ...]:
+    return tuple(belief for belief in beliefs if len(belief.tag_id.encode()) <= _LONGEST_NAME)
 
 
 def _packed(text: str) -> bytes:

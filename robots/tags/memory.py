@@ -1,16 +1,18 @@
 """What a tag's memory says: which ground round it has been covered, as a value that merges.
 
-A window of 27 x 27 cells of 1 m, centred on the tag, rows to the north (x of the frame), columns to the west
-(y): the frame of the writer's compass. A cell only grows: unknown < covered with an open frontier < covered
-and closed. Merging takes the maximum, so it is commutative, associative and idempotent, and no order of
-visits loses anything. 186 bytes: it fits a 2,048-bit tag beside its link.
+A window of cells of 1 m, centred on the tag, rows to the north (x of the frame), columns to the west (y):
+the frame of the writer's compass. A cell only grows: unknown < covered with an open frontier < covered and
+closed. Merging takes the maximum, so it is commutative, associative and idempotent, and no order of visits
+loses anything. Beside the window may stand maps of tags that robots left (``map_memory``), where the tag has
+the room.
 
-Behind the window may stand maps of tags that robots left (``map_memory``), where the tag has the room.
+What a chip has no room for is let go by rules that look at sizes, never at what the cells say: the window's
+outer rings, and all but the newest beliefs. So the laws hold on small chips too: fitting before or after a
+merge comes to the same.
 """
 
 from __future__ import annotations
 
-import zlib
 from dataclasses import dataclass
 from math import floor
 
@@ -18,15 +20,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robots.planning.plan_grid import FREE, UNKNOWN, PlanGrid
-from robots.tags.map_memory import WriterMap, merge_maps, pack_maps, unpack_maps
+from robots.tags.map_memory import WriterMap, fit_maps, merge_maps
 
-SIDE = 27
+SIDE = 31  # cells, the largest window; all windows have an odd side
 CELL_M = 1.0
 UNSEEN, OPEN, CLOSED = 0, 1, 2
-_VERSION, _WITH_MAPS = 1, 2
-MAX_BYTES = 1 << 20
-_BYTES = 1 + 2 + (SIDE * SIDE * 2 + 7) // 8
 _KNOWN_SHARE = 0.5
+_HEAD = 2  # bytes before the window
 
 
 class TagMemoryError(ValueError):
@@ -35,7 +35,7 @@ class TagMemoryError(ValueError):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TagMemory:
-    """Coverage round a tag: ``cells`` uint8 (27, 27) of UNSEEN, OPEN, CLOSED; ``maps`` that robots left."""
+    """Coverage round a tag: ``cells`` uint8 (s, s), s odd, of UNSEEN, OPEN, CLOSED; ``maps`` robots left."""
 
     cells: NDArray[np.uint8]
     maps: tuple[WriterMap, ...] = ()
@@ -43,68 +43,59 @@ class TagMemory:
     @classmethod
     def empty(cls) -> TagMemory:
         """Return the memory of a new tag."""
-        return cls(np.zeros((SIDE, SIDE), np.uint8))
+        return cls(np.zeros((1, 1), np.uint8))
+
+    @property
+    def side(self) -> int:
+        """Cells along the window."""
+        return len(self.cells)
 
     def merge(self, other: TagMemory) -> TagMemory:
         """Return all that both know."""
-        return TagMemory(np.maximum(self.cells, other.cells), merge_maps(self.maps, other.maps))
+        side = max(self.side, other.side)
+        cells = np.maximum(resized(self.cells, side), resized(other.cells, side))
+        return TagMemory(cells, merge_maps(self.maps, other.maps))
+
+    def fit(self, room_bytes: int) -> TagMemory:
+        """Return as much of it as has room in so many bytes of content."""
+        side = min(self.side, side_for(room_bytes))
+        left = room_bytes - _HEAD - window_bytes(min(SIDE, side_for(room_bytes)))
+        return TagMemory(resized(self.cells, side), fit_maps(self.maps, left))
 
     def __eq__(self, other: object) -> bool:
-        same = isinstance(other, TagMemory) and bool((self.cells == other.cells).all())
-        return same and isinstance(other, TagMemory) and self.maps == other.maps
+        if not isinstance(other, TagMemory):
+            return NotImplemented
+        return np.array_equal(_trimmed(self.cells), _trimmed(other.cells)) and self.maps == other.maps
 
     def __hash__(self) -> int:
-        return hash((self.cells.tobytes(), self.maps))
+        return hash((_trimmed(self.cells).tobytes(), self.maps))
 
 
-def encode_memory(memory: TagMemory) -> bytes:
-    """Return a memory's bytes: version, checksum, two bits a cell (186 in all), then the maps if any.
-
-    Raises:
-        ValueError: the maps are too large.
-    """
-    bits = np.unpackbits(memory.cells.reshape(-1, 1), axis=1)[:, 6:].ravel()
-    body = np.packbits(bits).tobytes()
-    if memory.maps:
-        body += pack_maps(memory.maps)
-    check = zlib.crc32(body) & 0xFFFF
-    return bytes([_WITH_MAPS if memory.maps else _VERSION]) + check.to_bytes(2, "big") + body
+def window_bytes(side: int) -> int:
+    """Return the bytes of a window: five cells of three states in each."""
+    return -(-side * side // 5)
 
 
-def decode_memory(data: bytes) -> TagMemory:
-    """Return the memory that ``encode_memory`` wrote; no bytes at all are an empty memory.
-
-    Raises:
-        TagMemoryError: too short or too long, of another version, or damaged.
-    """
-    if not data:
-        return TagMemory.empty()
-    fits = len(data) == _BYTES if data[0] == _VERSION else _BYTES < len(data) <= MAX_BYTES
-    if data[0] not in (_VERSION, _WITH_MAPS) or not fits:
-        raise TagMemoryError(
-            f"a tag memory has {_BYTES} bytes and begins with {_VERSION}, or is longer, holds maps and begins"
-            f" with {_WITH_MAPS}; this one has {len(data)}"
-        )
-    body = data[3:]
-    if zlib.crc32(body) & 0xFFFF != int.from_bytes(data[1:3], "big"):
-        raise TagMemoryError("the tag memory is damaged: its checksum does not fit; read it again")
-    bits = np.unpackbits(np.frombuffer(body, np.uint8))[: SIDE * SIDE * 2].reshape(-1, 2)
-    cells = (bits[:, 0] * 2 + bits[:, 1]).astype(np.uint8).reshape(SIDE, SIDE)
-    if cells.max() > CLOSED:
-        raise TagMemoryError("the tag memory is damaged: a cell has a state that does not exist")
-    try:
-        return TagMemory(cells, unpack_maps(body[_BYTES - 3 :]) if len(data) > _BYTES else ())
-    except ValueError as error:
-        raise TagMemoryError(f"the tag memory is damaged: {error}") from error
+def side_for(room_bytes: int) -> int:
+    """Return the side of the largest window in so many bytes of content; 1 at least, ``SIDE`` at most."""
+    fitting = [side for side in range(1, SIDE + 1, 2) if _HEAD + window_bytes(side) <= room_bytes]
+    return max(fitting, default=1)
 
 
-def merge_bytes(first: bytes, second: bytes) -> bytes:
-    """Merge two encoded memories.
+def resized(cells: NDArray[np.uint8], side: int) -> NDArray[np.uint8]:
+    """Return a window with rings of UNSEEN put round it, or rings taken off."""
+    more = (side - len(cells)) // 2
+    if more >= 0:
+        return np.pad(cells, more)
+    return cells[-more:more, -more:more]
 
-    Raises:
-        TagMemoryError: one of them cannot be read.
-    """
-    return encode_memory(decode_memory(first).merge(decode_memory(second)))
+
+def _trimmed(cells: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """Return the window without outer rings that say nothing."""
+    middle = len(cells) // 2
+    rows, columns = np.nonzero(cells)
+    reach = max(np.abs(rows - middle).max(initial=0), np.abs(columns - middle).max(initial=0))
+    return resized(cells, 2 * int(reach) + 1)
 
 
 def observed_memory(grid: PlanGrid, tag_x: float, tag_y: float) -> TagMemory:

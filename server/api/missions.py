@@ -23,7 +23,7 @@ async def get_missions(missions: AllMissions) -> MissionsOut:
 @router.post("", status_code=201, summary="Open a mission", operation_id="create_mission")
 async def create_mission(body: MissionIn, missions: AllMissions) -> MissionOut:
     """Open a mission; its id is made from the name unless it is given."""
-    return _out(await missions.open(body.name, body.mission_id))
+    return _out(await missions.open(body.name, body.mission_id, body.tag_key))
 
 
 @router.get("/{mission_id}", summary="One mission", operation_id="get_mission")

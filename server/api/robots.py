@@ -9,7 +9,8 @@ from fastapi import APIRouter, Request, Response
 from db.records import RobotRecord, StartPoseRecord
 from robots import codec
 from robots.agent import RobotAgent
-from robots.config import AgentConfig, ConfigError, override
+from robots.config import AgentConfig, ConfigError
+from robots.overrides import override
 from server.api.common import ERRORS, OneMission
 from server.errors import ApiError
 from server.robot import Robot, robot_value
@@ -37,7 +38,7 @@ async def register_robot(body: RobotIn, mission: OneMission, response: Response)
         silence_after_s=body.silence.after_s,
         silence_policy=body.silence.policy,
         start_pose=None if start is None else StartPoseRecord(**start.model_dump()),
-        config=codec.encode(_config(body)),
+        config=codec.encode(_config(body, mission.roster.record.tag_key)),
         stopped=False,
         registered_unix_s=time.time(),
     )
@@ -65,9 +66,10 @@ async def post_observations(robot_id: str, body: BatchIn, mission: OneMission, r
     return BatchOut.model_validate(await mission.ingest(robot_id, batch, body.onboard or [], sender))
 
 
-def _config(body: RobotIn) -> AgentConfig:
+def _config(body: RobotIn, tag_key: str) -> AgentConfig:
+    """Return the robot's configuration; its tags bear the mission's seal unless it has another key."""
     try:
-        config = override(AgentConfig(), body.config)
+        config = override(override(AgentConfig(), {"tag_memory": {"key": tag_key}}), body.config)
         RobotAgent(body.robot_id, config)  # a setting may name something that does not exist
     except ConfigError as error:
         field = str(error).split(" ", 1)[0].rstrip(":")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Annotated, Any
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
     from robots.team import TeamUpdate
     from robots.trajectory import Trajectory
 
-_SLAM = ("tag-graph", "ekf", "odometry")
+_SLAM = ("tag-graph", "ekf", "rslam", "odometry")
 _MEMORY = ("none", "tags")
 
 
@@ -27,8 +28,8 @@ def replay(
         str,
         typer.Argument(
             metavar="DATASET",
-            help="Format of the recording: csail, intel, mrclam; log, a mission that waymark export wrote;"
-            " g2o, a pose graph.",
+            help="Format of the recording: csail, intel, mrclam; plaza, a folder; log, a mission that waymark"
+            " export wrote; g2o, a pose graph.",
         ),
     ],
     path: Annotated[Path, typer.Argument(metavar="FILE", help="The recording.")],
@@ -37,7 +38,8 @@ def replay(
         typer.Option(
             metavar="|".join(_SLAM),
             help="odometry: dead reckoning and scan matching alone; tags are noted, the graph is not solved."
-            " ekf: a filter over tags seen from afar. tag-graph, unless the recording says otherwise.",
+            " ekf: a filter over tags seen from afar. rslam: particles, by ranges alone. tag-graph, unless"
+            " the recording says otherwise.",
         ),
     ] = None,
     robots: Annotated[
@@ -66,6 +68,12 @@ def replay(
             metavar="D", help="Put a tag on the reference path wherever none is nearer than D metres."
         ),
     ] = None,
+    range_only: Annotated[
+        bool,
+        typer.Option(
+            "--range-only", help="mrclam: leave the bearings out; rslam, unless --slam says otherwise."
+        ),
+    ] = False,
     relations: Annotated[
         Path | None, typer.Option(metavar="FILE.relations", help="Compare with checked relations as well.")
     ] = None,
@@ -114,6 +122,8 @@ def replay(
         return
     try:
         recording = load(dataset, path, virtual_tags)
+        if range_only:
+            recording = _without_bearings(recording)
         chosen = choose_robots(recording.robots, robots, order)
         if server is None:
             summary = _replay_here(
@@ -126,6 +136,14 @@ def replay(
     except RecordingError as error:
         raise CommandError(str(error)) from error
     _print(f"{dataset} {path.name}", summary, json)
+
+
+def _without_bearings(recording: Recording) -> Recording:
+    from robots.datasets.mrclam import MrclamRecording
+
+    if not isinstance(recording, MrclamRecording):
+        raise CommandError("--range-only drops the bearings of mrclam; this recording has none")
+    return replace(recording, range_only=True)
 
 
 def _print(title: str, summary: dict[str, Any], json: bool) -> None:

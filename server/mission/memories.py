@@ -9,7 +9,10 @@ import structlog
 
 from db.errors import DatabaseError
 from db.store import Store
-from robots.tags.memory import TagMemoryError, decode_memory, merge_bytes
+from robots.tags.content import encode_memory, merge_bytes
+from robots.tags.memory import TagMemory, TagMemoryError
+from robots.tags.record import seal
+from robots.tags.sealed import open_memory
 from robots.types import Observation, TagWrite
 from server.mission.events import Events
 
@@ -17,39 +20,39 @@ log = structlog.get_logger()
 
 
 class Memories:
-    """Tag memories by tag id."""
+    """Tag memories by tag id; ``key`` is the mission's, which seals them."""
 
-    def __init__(self, store: Store, mission_id: str, events: Events) -> None:
+    def __init__(self, store: Store, mission_id: str, key: bytes, events: Events) -> None:
         self._store = store
         self._mission_id = mission_id
+        self._key = key
         self._events = events
-        self._unreadable: dict[str, bytes] = {}  # what was told of already, by tag
+        self._told: dict[str, bytes] = {}  # memories that were not kept, by tag: what was told of already
 
     async def of(self, tag_id: str) -> bytes | None:
-        """Return the bytes of a tag's memory, None when nothing was ever read or written."""
-        return await self._store.tags.memory_of(self._mission_id, tag_id)
+        """Return the record to write into a tag; None when nothing was ever read or written."""
+        version, content = await self._store.tags.memory_of(self._mission_id, tag_id)
+        return seal(content, version, tag_id, self._key) if version else None
 
-    async def merge(self, tag_id: str, memory: bytes, by: str) -> bytes:
-        """Merge bytes into what is known of a tag's memory and return the result.
+    async def merge(self, tag_id: str, records: bytes, by: str) -> bytes:
+        """Merge what a reader got from a tag into what is known of it; return the record of the result.
 
         Raises:
-            TagMemoryError: the bytes are no memory.
+            TagMemoryError: the bytes are no memory, or without the mission's seal.
         """
-        decode_memory(memory)
-        return await self._store.tags.merge_memory(
-            self._mission_id, tag_id, memory, merge_bytes, by=by, unix_s=time.time()
-        )
+        await self._merge(tag_id, self._believed(tag_id, records), by)
+        return await self.of(tag_id) or b""
 
     async def keep_read(self, robot_id: str, observations: Iterable[Observation]) -> None:
-        """Merge what a robot read; bytes that make no sense are told of once."""
+        """Merge what a robot read; bytes that make no sense or are a stranger's are told of once."""
         read = {(s.tag_id, s.memory) for o in observations for s in o.tag_sightings if s.memory}
-        for tag_id, memory in sorted(read):
+        for tag_id, records in sorted(read):
             try:
-                await self.merge(tag_id, memory, robot_id)
+                await self._merge(tag_id, self._believed(tag_id, records), robot_id)
             except TagMemoryError as error:
-                if self._unreadable.get(tag_id) != memory:
-                    self._unreadable[tag_id] = memory
-                    text = f"{robot_id} read tag {tag_id}, but its memory makes no sense: {error}."
+                if self._told.get(tag_id) != records:
+                    self._told[tag_id] = records
+                    text = f"{robot_id} read tag {tag_id}, but its memory does not count: {error}."
                     await self._events.tell("tag_unreadable", text, robot_id, "warning")
             except DatabaseError as error:  # the log has it
                 log.error("a tag memory could not be saved", tag_id=tag_id, reason=str(error))
@@ -58,6 +61,20 @@ class Memories:
         """Merge what an agent had written into tags."""
         for write in writes:
             try:
-                await self.merge(write.tag_id, write.memory, robot_id)
-            except DatabaseError as error:  # the tag has it
+                await self._merge(write.tag_id, self._believed(write.tag_id, write.memory), robot_id)
+            except (DatabaseError, TagMemoryError) as error:  # the tag has it
                 log.error("a tag memory could not be saved", tag_id=write.tag_id, reason=str(error))
+
+    def _believed(self, tag_id: str, records: bytes) -> TagMemory:
+        if not records:
+            raise TagMemoryError("there is nothing in it")
+        says = open_memory(records, tag_id, self._key)
+        if not says.trusted:
+            raise TagMemoryError("it bears another seal than this mission's, so it is a stranger's or forged")
+        return says.memory
+
+    async def _merge(self, tag_id: str, memory: TagMemory, by: str) -> None:
+        content = encode_memory(memory)
+        await self._store.tags.merge_memory(
+            self._mission_id, tag_id, content, merge_bytes, by=by, unix_s=time.time()
+        )

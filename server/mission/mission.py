@@ -64,7 +64,7 @@ class Mission:
         self.events = Events(store, mission_id, self.board)
         self.annotations = Annotations(store, mission_id, self.board)
         self.victims = Victims(store, mission_id, self.board, self.events)
-        self.memories = Memories(store, mission_id, self.events)
+        self.memories = Memories(store, mission_id, bytes.fromhex(record.tag_key), self.events)
         self.nodes = Nodes(store, mission_id, self.board, self.events)
         self._tasks = Tasks(mission_id)
         self.roster = Roster(record, store, forks, self.board, self.events, self._tasks)

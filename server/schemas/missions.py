@@ -21,6 +21,11 @@ class MissionIn(Wire):
 
     name: str = Field(min_length=1, max_length=200, description="What people call it.")
     mission_id: Name | None = Field(None, description="Its id in addresses; made from the name by default.")
+    tag_key: Annotated[str, Field(max_length=64, pattern="^([0-9a-f]{2})*$")] | None = Field(
+        None,
+        description="Key that seals what its robots write into tags, in hexadecimal digits; made at random by"
+        " default. It is never told again.",
+    )
 
 
 class MissionOut(Wire):

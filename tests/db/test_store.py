@@ -25,7 +25,7 @@ from db.records import (
     VictimRecord,
 )
 from db.store import Store
-from robots.types import GraphReport
+from robots.graph_report import GraphReport
 
 M = "mine"
 
@@ -161,7 +161,7 @@ def test_tags_and_every_version_of_their_memory(story) -> None:
         await store.tags.record_tags(
             M, [TagRecord("A", PointRecord(3.0, 2.0, 0.1, 0.0, 0.1), 2, ("r1", "r2"))]
         )
-        assert await store.tags.memory_of(M, "A") is None
+        assert await store.tags.memory_of(M, "A") == (0, b"")
         memories = [b"a", b"b", b"ab", b"c"]
         merged = [
             await store.tags.merge_memory(M, "A", memory, union, by="phone", unix_s=1.0)
@@ -175,7 +175,7 @@ def test_tags_and_every_version_of_their_memory(story) -> None:
             ("A", 3.0, ("r1", "r2")),
             ("B", 1.0, ()),
         ]
-        assert await store.tags.memory_of(M, "A") == b"abc"
+        assert await store.tags.memory_of(M, "A") == (3, b"abc")
 
     story(first, second)
 

@@ -5,8 +5,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from robots.tags.content import decode_memory, encode_memory, merge_bytes
 from robots.tags.map_memory import MAX_WRITERS, TagBelief, WriterMap, merge_maps, pack_maps, unpack_maps
-from robots.tags.memory import SIDE, TagMemory, TagMemoryError, decode_memory, encode_memory, merge_bytes
+from robots.tags.memory import SIDE, TagMemory, TagMemoryError
 
 names = st.sampled_from(["r1", "r2", "a robot", "é"])
 floats = st.floats(-1e6, 1e6, width=32)

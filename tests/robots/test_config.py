@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from robots.agent import RobotAgent
-from robots.config import AgentConfig, AntennaConfig, ConfigError, override
+from robots.config import AgentConfig, AntennaConfig, ConfigError
+from robots.overrides import override
 
 
 def as_changes(config) -> dict:

@@ -21,7 +21,8 @@ import uvicorn
 from websockets.sync.client import ClientConnection, connect
 
 from robots.agent import RobotAgent, merge_commands
-from robots.config import AgentConfig, override
+from robots.config import AgentConfig
+from robots.overrides import override
 from robots.sim.scenario import ScenarioConfig
 from robots.sim.simulation import Order, Simulation
 from robots.sim.wire import command_to_wire, observation_to_wire, pose_to_wire
@@ -224,10 +225,11 @@ class Control:
     def call(self, method: str, path: str, body: object = None, **more: Any) -> httpx.Response:
         return self._client.request(method, path, json=body, **more)
 
-    def open(self, mission_id: str | None = None) -> Line:
+    def open(self, mission_id: str | None = None, tag_key: str | None = "") -> Line:
         """A new mission."""
         mission_id = mission_id or f"m{next(_numbers)}"
-        response = self.call("POST", "/missions", {"name": mission_id.upper(), "mission_id": mission_id})
+        words = {"name": mission_id.upper(), "mission_id": mission_id, "tag_key": tag_key}
+        response = self.call("POST", "/missions", words)
         assert response.status_code == 201, response.text
         return Line(self, mission_id)
 

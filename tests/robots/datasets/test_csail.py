@@ -7,9 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from robots.config import AgentConfig, override
+from robots.config import AgentConfig
 from robots.datasets.csail import load
 from robots.datasets.recording import RecordingError
+from robots.overrides import override
 from robots.se2 import Pose2
 
 REAL = Path(__file__).parents[4] / "shared" / "data" / "csail_406.npz"

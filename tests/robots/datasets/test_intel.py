@@ -7,10 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from robots.config import AgentConfig, override
+from robots.config import AgentConfig
 from robots.datasets import registry
 from robots.datasets.intel import load
 from robots.datasets.recording import RecordingError
+from robots.overrides import override
 from robots.se2 import Pose2
 
 REAL = Path(__file__).parents[4] / "shared" / "data" / "intel_raw_2726.npz"

@@ -1,6 +1,6 @@
 """The MRCLAM format: robots driven here without noise, odd and damaged files, and the real one."""
 
-from dataclasses import fields
+from dataclasses import fields, replace
 from functools import lru_cache
 from itertools import pairwise
 from pathlib import Path
@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 
 from robots.agent import RobotAgent
-from robots.config import AgentConfig, override
+from robots.config import AgentConfig
 from robots.datasets.mrclam import load
 from robots.datasets.recording import RecordingError
 from robots.evaluation import absolute_error
+from robots.overrides import override
 from robots.se2 import Pose2
 from robots.trajectory import Trajectory
 
@@ -108,6 +109,17 @@ def test_observations_are_merged_to_twenty_a_second_but_for_sightings(tmp_path):
     assert min(b - a for a, b in pairwise(plain)) > 0.0499
     assert set(seen_s) <= set(recording.stamps_s("r1"))
     assert [o.seq for o in recording.observations("r1")] == list(range(recording.length("r1")))
+
+
+def test_by_range_only_there_are_no_bearings_and_no_robots(tmp_path):
+    plain = load(write(tmp_path))
+    for told, less in zip(
+        plain.observations("r1"), replace(plain, range_only=True).observations("r1"), strict=True
+    ):
+        assert [s.range_m for s in less.tag_sightings] == [s.range_m for s in told.tag_sightings]
+        assert all(s.bearing_rad is None for s in less.tag_sightings)
+        assert less.robot_sightings == ()
+    assert replace(plain, range_only=True).settings_of("r1")["slam"] == "rslam"
 
 
 def test_every_robot_of_the_file_is_there_with_its_truth(tmp_path):

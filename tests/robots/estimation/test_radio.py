@@ -7,8 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from robots.config import AgentConfig, ConfigError, RadioConfig, override
+from robots.config import AgentConfig, ConfigError, RadioConfig
 from robots.estimation.radio import ENVIRONMENTS, NEAREST_M, NODE, UHF, RadioModel, radio_for
+from robots.overrides import override
 
 powers = st.floats(-80.0, 10.0)
 exponents = st.floats(1.2, 5.0)

@@ -9,6 +9,7 @@ import pytest
 from robots.config import AgentConfig
 from robots.se2 import Pose2
 from robots.sim.world import BRICK, GLASS, SMOKE, WALL, World
+from robots.tags.record import seal
 from robots.types import AgentUpdate, Command, Observation, TagWrite, VictimEstimate, WheelEncoders
 
 CELLS = {".": 0, "#": WALL, "g": GLASS, "b": BRICK, "s": SMOKE}
@@ -33,7 +34,10 @@ class Wanderer:
             turn = (right - left) / self._track_m
             self._pose = self._pose @ Pose2.exp(np.array([(left + right) / 2, 0.0, turn]))
         writes = tuple(
-            TagWrite(sighting.tag_id, f"{self._robot_id}@{observation.seq}".encode())
+            TagWrite(
+                sighting.tag_id,
+                seal(f"{self._robot_id}@{observation.seq}".encode(), observation.seq, sighting.tag_id, b""),
+            )
             for sighting in observation.tag_sightings
         )
         self._command = replace(self._command, drop_tag=observation.seq % 157 == 23, writes=writes)

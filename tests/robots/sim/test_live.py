@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from robots.client import ClientError
-from robots.config import AgentConfig, override
+from robots.config import AgentConfig
+from robots.overrides import override
 from robots.sim import wire
 from robots.sim.live import LiveError, changes, main, play
 from robots.sim.runner import run

@@ -8,6 +8,7 @@ from robots.codec import encode
 from robots.se2 import Pose2
 from robots.sim.scenario import ScenarioConfig
 from robots.sim.simulation import Order, Simulation
+from robots.tags.record import seal
 from robots.types import Command, Displacement, TagWrite, WheelEncoders
 
 SMALL = ScenarioConfig(map="open:60", robots=2, victims=2, seed=5)
@@ -116,14 +117,15 @@ def test_tags_are_dropped_read_and_written():
     seen = [o for o in simulation.advance()["r1"] if o.tag_sightings]
     assert [sighting.tag_id for sighting in seen[0].tag_sightings] == ["r1-001"]
     assert seen[0].tags_left == simulation.config.agent_of("r1").deployment.magazine - 1
+    hello = seal(b"hello", 0, "r1-001", b"")
     simulation.apply(
         {
-            "r1": Order(Command(writes=(TagWrite("r1-001", b"hello"),))),
+            "r1": Order(Command(writes=(TagWrite("r1-001", hello),))),
             "r2": Order(Command(writes=(TagWrite("r1-001", b"from afar"),))),
         }
     )
     later = [s for _ in range(6) for o in simulation.advance()["r1"] for s in o.tag_sightings]
-    assert [s.memory for s in later] == [b"hello"]
+    assert [s.memory for s in later] == [hello]
     assert simulation.tags.refused_writes == 1
 
 

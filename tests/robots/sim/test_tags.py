@@ -1,7 +1,10 @@
 import numpy as np
 import pytest
 
+from robots.sim.scenario import ScenarioConfig
 from robots.sim.tags import Magazine, Reader, TagField
+from robots.tags.chip import chip_of
+from robots.tags.record import seal
 from robots.types import TagSighting
 
 
@@ -14,6 +17,29 @@ def test_writes_need_reach_and_room():
     assert not field.write("b", b"none", 1.0, 1.0)
     assert field.sighting(0) == TagSighting("a", b"four")
     assert field.refused_writes == 3
+
+
+def test_chips_hold_what_has_room_beside_their_link():
+    field = TagField(2048, chip_of(2048))
+    field.drop("r1-001", 0.0, 0.0)
+    room = ScenarioConfig().tag_room_bytes
+    for revision, length in enumerate((0, 100, room)):
+        record = seal(bytes(length), revision, "r1-001", b"key")
+        assert field.write("r1-001", record, 0.0, 0.0)
+        assert field.sighting(0) == TagSighting("r1-001", record)
+    assert not field.write("r1-001", seal(bytes(room + 10), 3, "r1-001", b"key"), 0.0, 0.0)
+    assert field.sighting(0) == TagSighting("r1-001", record)
+    assert field.write("r1-001", b"no record", 0.0, 0.0)
+    assert field.sighting(0) == TagSighting("r1-001", b"")  # a reader hands over whole records alone
+
+
+def test_large_chips_keep_the_older_record_too():
+    field = TagField(4032, chip_of(4032))
+    field.drop("a", 0.0, 0.0)
+    records = [seal(bytes([k]), k, "a", b"key") for k in range(3)]
+    for record in records:
+        assert field.write("a", record, 0.0, 0.0)
+    assert field.sighting(0).memory == records[2] + records[1]
 
 
 def test_an_id_is_used_once():

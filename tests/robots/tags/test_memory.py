@@ -1,11 +1,11 @@
 """What is written into a tag: the window, its cells, and what is refused on reading."""
 
-import zlib
-
 import numpy as np
 import pytest
 
 from robots.planning.plan_grid import FREE, OCCUPIED, UNKNOWN, PlanGrid
+from robots.sim.scenario import ScenarioConfig
+from robots.tags.content import decode_memory, encode_memory, merge_bytes
 from robots.tags.memory import (
     CLOSED,
     OPEN,
@@ -13,17 +13,11 @@ from robots.tags.memory import (
     UNSEEN,
     TagMemory,
     TagMemoryError,
-    decode_memory,
-    encode_memory,
-    merge_bytes,
     observed_memory,
+    side_for,
 )
 
 MIDDLE = SIDE // 2
-
-
-def with_checksum(body: bytes, version: int = 1) -> bytes:
-    return bytes([version]) + (zlib.crc32(body) & 0xFFFF).to_bytes(2, "big") + body
 
 
 def grid_of(cells: np.ndarray, origin=(-20.0, -20.0)) -> PlanGrid:
@@ -44,29 +38,43 @@ def test_no_bytes_are_an_empty_memory():
     assert not TagMemory.empty().cells.any()
 
 
-def test_the_memory_fits_a_tag_of_2048_bits():
-    assert len(encode_memory(TagMemory.empty())) * 8 < 2048
+def test_a_tag_of_2048_bits_holds_the_largest_window():
+    assert side_for(ScenarioConfig().tag_room_bytes) == SIDE
+    assert len(encode_memory(TagMemory(np.full((SIDE, SIDE), CLOSED, np.uint8)))) == 195
 
 
-def test_the_bytes_are_version_checksum_and_two_bits_a_cell():
-    cells = np.zeros((SIDE, SIDE), np.uint8)
-    cells[0, :4] = [CLOSED, OPEN, UNSEEN, CLOSED]
+def test_smaller_tags_hold_smaller_windows_and_the_middle_stays():
+    rooms = {512: 3, 896: 15, 1152: 21, 2048: 31, 4032: 31}
+    for bits, side in rooms.items():
+        room = ScenarioConfig(tag_bits=bits).tag_room_bytes
+        assert side_for(room) == side
+        cells = np.zeros((SIDE, SIDE), np.uint8)
+        cells[MIDDLE, MIDDLE + side // 2] = OPEN
+        fitted = TagMemory(cells).fit(room)
+        assert len(encode_memory(fitted)) <= room
+        assert fitted == TagMemory(cells)
+
+
+def test_the_bytes_are_version_side_and_five_cells_each():
+    cells = np.zeros((3, 3), np.uint8)
+    cells[0] = [CLOSED, OPEN, UNSEEN]
+    cells[1, 0] = CLOSED
     data = encode_memory(TagMemory(cells))
-    assert data[0] == 1
-    assert data[3] == 0b10_01_00_10
-    assert not any(data[4:])
-    assert data == with_checksum(data[3:])
+    assert data == bytes([3, 3, 2 + 3 * 1 + 27 * 2, 0])
 
 
 @pytest.mark.parametrize(
     ("data", "message"),
     [
-        (b"\x01", "186 bytes and begins with 1, or is longer, .*; this one has 1"),
-        (encode_memory(TagMemory.empty())[:-1], "this one has 185"),
-        (encode_memory(TagMemory.empty()) + b"\x00", "this one has 187"),
-        (with_checksum(bytes(183), version=2), "begins with 1"),
-        (b"\x01\x00\x00" + bytes(183), "checksum does not fit"),
-        (with_checksum(b"\xff" + bytes(182)), "a state that does not exist"),
+        (b"\x01", "begins with 3, its version; this one with 1"),
+        (b"\x03", "has 0 cells along a side"),
+        (bytes([3, 4, 0, 0, 0, 0]), "has 4 cells along a side"),
+        (bytes([3, 33]) + bytes(300), "has 33 cells along a side"),
+        (encode_memory(TagMemory(np.zeros((5, 5), np.uint8)))[:-1], "ends after 6 bytes of 7 or more"),
+        (bytes([3, 1, 255]), "a state that does not exist"),
+        (bytes([3, 1, 3]), "cells beyond its window"),
+        (bytes([3, 1, 0, 9]), "cut off or damaged"),
+        (bytes([3]) + bytes(70_000), "at most 65536 bytes"),
     ],
 )
 def test_damaged_memories_are_refused(data, message):
@@ -77,8 +85,8 @@ def test_damaged_memories_are_refused(data, message):
 
 
 def test_equal_memories_are_equal_and_hash_alike():
-    a, b = TagMemory.empty(), TagMemory.empty()
-    assert a == b
+    a, b = TagMemory(np.zeros((1, 1), np.uint8)), TagMemory(np.zeros((9, 9), np.uint8))
+    assert a == b  # rings that say nothing do not count
     assert hash(a) == hash(b)
     b.cells[3, 4] = OPEN
     assert a != b

@@ -8,57 +8,88 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from robots.tags.memory import TagMemory, decode_memory, encode_memory
+from robots.tags.memory import SIDE, TagMemory
+from robots.tags.sealed import close_memory, open_memory
 
 BYTES = {"Content-Type": "application/octet-stream"}
 
 
 def memory(*cells):
-    found = TagMemory.empty()
+    found = TagMemory(np.zeros((SIDE, SIDE), np.uint8))
     for row, column, value in cells:
         found.cells[row, column] = value
     return found
 
 
+def record(*cells, tag_id="A4", key=b"", revision=0):
+    return close_memory(memory(*cells), revision, tag_id, key, 500)
+
+
+def known_of(line, tag_id, key=b""):
+    says = open_memory(line.call("GET", f"/tags/{tag_id}/memory").content, tag_id, key)
+    assert says.trusted
+    return says.memory
+
+
 def test_memories_merge(line):
-    first, second = memory((0, 0, 2), (3, 4, 1)), memory((3, 4, 2), (9, 9, 1))
+    first, second = ((0, 0, 2), (3, 4, 1)), ((3, 4, 2), (9, 9, 1))
     assert line.refused("GET", "/tags/A4/memory") == (404, "unknown_tag", None)
-    merged = line.call("POST", "/tags/A4/memory", content=encode_memory(first), headers=BYTES)
-    assert merged.content == encode_memory(first)
+    merged = line.call("POST", "/tags/A4/memory", content=record(*first), headers=BYTES)
+    assert open_memory(merged.content, "A4", b"").memory == memory(*first)
     assert merged.headers["content-type"] == "application/octet-stream"
-    merged = line.call("POST", "/tags/A4/memory", content=encode_memory(second), headers=BYTES)
-    assert merged.content == encode_memory(first.merge(second))
+    merged = line.call("POST", "/tags/A4/memory", content=record(*second), headers=BYTES)
+    assert open_memory(merged.content, "A4", b"").memory == memory(*first).merge(memory(*second))
     assert line.call("GET", "/tags/A4/memory").content == merged.content
 
 
-@pytest.mark.parametrize("garbage", [b"x", b"\1" * 186, b"\2" + bytes(185), bytes(10_000)], ids=range(4))
+@pytest.mark.parametrize(
+    "garbage",
+    [b"", b"x", b"\1" * 186, bytes(10_000), record((1, 1, 1), tag_id="B"), record((1, 1, 1))[:-1]],
+    ids=range(6),
+)
 def test_garbage_is_no_memory(line, garbage):
-    line.call("POST", "/tags/A4/memory", content=encode_memory(memory((1, 1, 1))), headers=BYTES)
+    line.call("POST", "/tags/A4/memory", content=record((1, 1, 1)), headers=BYTES)
     assert line.refused("POST", "/tags/A4/memory", content=garbage)[:2] == (422, "invalid_memory")
-    assert line.call("GET", "/tags/A4/memory").content == encode_memory(memory((1, 1, 1)))
+    assert known_of(line, "A4") == memory((1, 1, 1))
+
+
+def test_a_mission_has_a_seal_of_its_own_and_strangers_are_not_believed(control):
+    line = control.open(tag_key="00ff17")
+    ours, forged = record((1, 1, 1), key=bytes.fromhex("00ff17")), record((2, 2, 2), key=b"", revision=9)
+    assert line.refused("POST", "/tags/A4/memory", content=forged)[:2] == (422, "invalid_memory")
+    line.call("POST", "/tags/A4/memory", content=forged + ours, headers=BYTES)
+    assert known_of(line, "A4", bytes.fromhex("00ff17")) == memory((1, 1, 1))
+    other = control.open(tag_key=None)  # its key is made at random and never told
+    assert "tag_key" not in other.get("")
+    assert other.refused("POST", "/tags/A4/memory", content=ours)[:2] == (422, "invalid_memory")
+
+
+def test_a_key_that_is_none_is_refused(control):
+    for key in ("0", "xy", "AB", "00" * 33):
+        assert control.call("POST", "/missions", {"name": "M", "tag_key": key}).status_code == 422
 
 
 def test_a_tag_has_a_name_that_can_be_one(line):
-    content = encode_memory(TagMemory.empty())
-    assert line.refused("POST", f"/tags/{'x' * 65}/memory", content=content) == (422, "invalid", "tag_id")
+    assert line.refused("POST", f"/tags/{'x' * 65}/memory", content=record()) == (422, "invalid", "tag_id")
 
 
-def test_what_a_robot_reads_is_merged_and_garbage_is_told_once(line):
-    read = encode_memory(memory((5, 5, 2)))
-    for seq, data in enumerate([read, b"garbage", b"garbage", b"garbage"]):
+def test_what_a_robot_reads_is_merged_and_what_does_not_count_is_told_once(line):
+    forged = record((1, 1, 2), key=b"stranger")
+    for seq, data in enumerate([record((5, 5, 2)), b"garbage", b"garbage", b"garbage", forged, forged]):
         sighting = {"tag_id": "A4", "memory": base64.b64encode(data).decode()}
         line.send([{"seq": seq, "stamp_s": 1.0 * seq, "tag_sightings": [sighting]}])
-    assert line.call("GET", "/tags/A4/memory").content == read
-    (event,) = line.events("tag_unreadable")
-    assert (event["robot_id"], event["severity"]) == ("r1", "warning")
+    assert known_of(line, "A4") == memory((5, 5, 2))
+    garbage, strange = line.events("tag_unreadable")
+    assert (garbage["robot_id"], garbage["severity"]) == ("r1", "warning")
+    assert "another seal" in strange["text"]
 
 
 def test_what_an_agent_writes_is_merged(driven, drive):
     writes = [write for batch in drive.updates for update in batch for write in update.command.writes]
     assert writes
     for write in writes:
-        known = decode_memory(driven.call("GET", f"/tags/{write.tag_id}/memory").content)
-        assert known.merge(decode_memory(write.memory)) == known
+        known = known_of(driven, write.tag_id)
+        assert known.merge(open_memory(write.memory, write.tag_id, b"").memory) == known
 
 
 def test_tags_have_places(driven):

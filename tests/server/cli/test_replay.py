@@ -171,7 +171,10 @@ def test_relations_are_compared_on_demand(recording, tmp_path, capsys):
         (["intel", "FILE", "--virtual-tags", "0"], "--virtual-tags has to be greater than 0"),
         (["intel", "FILE", "--virtual-tags", "nan"], "--virtual-tags has to be a finite number"),
         (["intel", "FILE", "--speed", "-1"], "--speed has to be 0 or more"),
-        (["intel", "FILE", "--slam", "magic"], "--slam has to be tag-graph, ekf or odometry, not 'magic'"),
+        (
+            ["intel", "FILE", "--slam", "magic"],
+            "--slam has to be tag-graph, ekf, rslam or odometry, not 'magic'",
+        ),
         (["intel", "FILE", "--memory", "paper"], "--memory has to be none or tags, not 'paper'"),
         (["intel", "FILE", "--server", "ftp://x", "--memory", "tags"], "belong to a replay without --server"),
         (["g2o", "FILE", "--no-robot-sightings"], "a pose graph has no robots and no sensors"),

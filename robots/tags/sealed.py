@@ -1,0 +1,62 @@
+"""A tag's memory under the mission's seal, as it goes to and from a reader."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from robots.tags.content import decode_memory, encode_memory
+from robots.tags.memory import TagMemory, TagMemoryError
+from robots.tags.record import OVERHEAD, is_newer, revision_of, seal, split, unseal
+
+
+@dataclass(frozen=True, slots=True)
+class TagSays:
+    """The newest memory in a tag and the revision after all it holds.
+
+    ``trusted``: the mission's seal is on it; what a stranger wrote is for people to look at.
+    """
+
+    memory: TagMemory
+    next_revision: int
+    trusted: bool
+
+
+NOTHING = TagSays(TagMemory.empty(), 0, True)
+
+
+def open_memory(data: bytes, tag_id: str, key: bytes) -> TagSays:
+    """Return what a reader got from a tag: records one after the other; no bytes are an empty memory.
+
+    A record of the mission counts before a stranger's, however new that is.
+
+    Raises:
+        TagMemoryError: no record is whole, or the newest holds no memory.
+    """
+    if not data:
+        return NOTHING
+    records = split(data)
+    if not records:
+        raise TagMemoryError("the tag's memory is damaged or half written; read it again")
+    newest = records[0]
+    for record in records[1:]:
+        if is_newer(revision_of(record), revision_of(newest)):
+            newest = record
+    following = revision_of(newest) + 1
+    believed = [record for record in records if unseal(record, tag_id, key).trusted]
+    chosen = newest
+    if believed:
+        chosen = believed[0]
+        for record in believed[1:]:
+            if is_newer(revision_of(record), revision_of(chosen)):
+                chosen = record
+    return TagSays(decode_memory(unseal(chosen, tag_id, key).content), following, bool(believed))
+
+
+def close_memory(memory: TagMemory, revision: int, tag_id: str, key: bytes, room_bytes: int) -> bytes:
+    """Return the record to write into a tag with room for so many bytes of content."""
+    return seal(encode_memory(memory.fit(room_bytes)), revision, tag_id, key)
+
+
+def room_in(bits: int) -> int:
+    """Return the bytes of content of a tag that holds a record and nothing else."""
+    return max(0, bits // 8 - OVERHEAD)

@@ -1,0 +1,143 @@
+"""`waymark tag`, run as a user would."""
+
+import json
+
+import numpy as np
+import pytest
+
+from robots.tags.chip import chip_of, format_chip
+from robots.tags.describe import describe, understand
+from robots.tags.map_memory import TagBelief, WriterMap
+from robots.tags.memory import CLOSED, OPEN, TagMemory, TagMemoryError
+from server.cli.main import run
+
+KEY = "00ff17"
+LINK = "https://w.example/t/A4"
+MEMORY = TagMemory(
+    np.zeros((7, 7), np.uint8), (WriterMap("r1", 7, (TagBelief("B", 1.0, 2.0, 0.25, 0.0, 0.5),)),)
+)
+MEMORY.cells[4, 2] = OPEN  # one cell to the north, one to the east
+MEMORY.cells[3, 5] = CLOSED  # two cells to the west
+
+DRAWN = [".......", ".......", "....o..", ".#.....", ".......", ".......", "......."]
+
+
+def make(tmp_path, capsys, memory=MEMORY, *options):
+    source, chip = tmp_path / "memory.json", tmp_path / "chip.bin"
+    source.write_text(json.dumps({"memory": describe(memory)}))
+    arguments = ["tag", "encode", str(source), "--id", "A4", "--link", LINK, "--out", str(chip), "--key", KEY]
+    assert run([*arguments, "--json", *options]) == 0
+    return chip, json.loads(capsys.readouterr().out)
+
+
+def decoded(chip, capsys, *options):
+    assert run(["tag", "decode", str(chip), "--id", "A4", "--json", *options]) == 0
+    return json.loads(capsys.readouterr().out)
+
+
+@pytest.mark.parametrize("bits", [7104, 8192, 65536])
+def test_what_was_encoded_is_decoded(tmp_path, capsys, bits):
+    chip, said = make(tmp_path, capsys, MEMORY, "--tag-bits", str(bits), "--revision", "9")
+    assert said["complete"]
+    assert chip.stat().st_size * 8 == bits
+    result = decoded(chip, capsys, "--key", KEY)
+    assert {k: result[k] for k in ("link", "records", "revision", "trusted")} == {
+        "link": LINK,
+        "records": 1,
+        "revision": 9,
+        "trusted": True,
+    }
+    assert result["memory"]["window"] == DRAWN
+    assert understand(result["memory"]) == MEMORY
+
+
+def test_hexadecimal_digits_do_as_well(tmp_path, capsys):
+    chip, _ = make(tmp_path, capsys)
+    digits = tmp_path / "chip.txt"
+    digits.write_text(chip.read_bytes().hex(" ") + "\n")
+    assert decoded(digits, capsys) == decoded(chip, capsys)
+
+
+def test_on_a_small_chip_the_middle_stays_and_it_is_said_that_something_went(tmp_path, capsys):
+    chip, said = make(tmp_path, capsys, MEMORY, "--tag-bits", "512")
+    assert not said["complete"]
+    assert said["content_bytes"] <= said["room_bytes"]
+    assert decoded(chip, capsys, "--key", KEY)["memory"] == {
+        "window": [row[1:-1] for row in DRAWN[1:-1]],
+        "maps": [],
+    }
+
+
+def test_a_strangers_tag_is_shown_and_not_believed(tmp_path, capsys):
+    chip, _ = make(tmp_path, capsys)
+    assert not decoded(chip, capsys)["trusted"]
+    assert run(["tag", "show", str(chip), "--id", "A4"]) == 0
+    assert "do not believe it" in capsys.readouterr().out
+
+
+def test_it_draws_north_up(tmp_path, capsys):
+    chip, _ = make(tmp_path, capsys)
+    assert run(["tag", "show", str(chip), "--id", "A4", "--key", KEY]) == 0
+    assert capsys.readouterr().out.splitlines()[:7] == [*DRAWN[:3], ".#.T...", *DRAWN[4:]]
+    assert run(["tag", "decode", str(chip), "--id", "A4", "--key", KEY]) == 0
+    assert "covered_m2" in capsys.readouterr().out
+
+
+def test_a_fresh_tag_says_nothing_yet(tmp_path, capsys):
+    (tmp_path / "fresh.bin").write_bytes(format_chip(chip_of(2048), LINK)[0])
+    result = decoded(tmp_path / "fresh.bin", capsys)
+    assert (result["records"], result["revision"], result["memory"]["window"]) == (0, None, ["."])
+
+
+@pytest.mark.parametrize(
+    ("data", "message"),
+    [
+        (b"", "no chip has 0 bits"),
+        (bytes(256), "end too early"),
+        (b"x" * 3, "no chip has 24"),
+        (None, "No such"),
+    ],
+)
+def test_what_is_no_tag_is_refused_in_a_sentence(tmp_path, capsys, data, message):
+    path = tmp_path / "x.bin"
+    if data is not None:
+        path.write_bytes(data)
+    assert run(["tag", "decode", str(path), "--id", "A4"]) == 1
+    said = capsys.readouterr().err
+    assert message in said
+    assert said.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("value", "message"),
+    [
+        ([], "object with window and maps"),
+        ({"cells": []}, "object with window and maps"),
+        ({"window": "..."}, "list of texts"),
+        ({"window": ["..", ".."]}, "odd side"),
+        ({"window": ["..."]}, "odd side"),
+        ({"window": ["x"]}, "one of . o #"),
+        ({"maps": [{"robot_id": "r1"}]}, "a map has robot_id"),
+        ({"maps": 3}, "a map has robot_id"),
+    ],
+)
+def test_memories_that_make_no_sense_are_refused(value, message):
+    with pytest.raises(TagMemoryError, match=message):
+        understand(value)
+
+
+@pytest.mark.parametrize(
+    ("option", "value", "message"),
+    [
+        ("--key", "xyz", "at most 64 hexadecimal digits"),
+        ("--key", "00" * 33, "at most 64 hexadecimal digits"),
+        ("--tag-bits", "100", "no chip has 100 bits"),
+        ("--link", "https://" + "a" * 300, "make it shorter"),
+    ],
+)
+def test_options_that_make_no_sense_are_named(tmp_path, capsys, option, value, message):
+    source = tmp_path / "memory.json"
+    source.write_text(json.dumps({"memory": {}}))
+    out = str(tmp_path / "x")
+    assert run(["tag", "encode", str(source), "--id", "A", "--link", LINK, "--out", out, option, value]) == 1
+    assert message in capsys.readouterr().err
