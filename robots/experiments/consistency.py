@@ -18,12 +18,13 @@ from robots.estimation.tag_graph import solve_report
 from robots.experiments import plotting
 from robots.experiments.experiment import Column, Experiment, Options, Row, finite
 from robots.experiments.parallel import in_parallel
+from robots.graph_report import GraphReport
 from robots.se2 import Array, Pose2, wrap
 from robots.sim.runner import RobotResult, SimulationResult
 from robots.sim.runner import run as play
 from robots.sim.scenario import START_SD_M, START_SD_RAD, ScenarioConfig
 from robots.team import StartPose, TeamMap, TeamUpdate
-from robots.types import AgentUpdate, GraphReport
+from robots.types import AgentUpdate
 
 MISSIONS = (("office:150", 2), ("office:300", 3))
 MINUTES, LEVEL = 4.0, 3
