@@ -24,6 +24,7 @@ class RangeMean:
         self.range_m = self.variance = 0.0
         self.bearing: float | None = None
         self.bearing_variance = 0.0
+        self._row: tuple[float, ...] = ()
 
     def add(self, sighting: RangeSighting, anchor_from_base: GaussianPose) -> None:
         """Take in a sighting made from a pose of the base in the anchor's frame, with that one's error."""
@@ -41,12 +42,17 @@ class RangeMean:
             self.bearing_variance += (bearing_sd**2 + across - self.bearing_variance) * share
             before = sighting.bearing_rad if self.bearing is None else self.bearing
             self.bearing = before + wrap(sighting.bearing_rad - before) * share
+        self._row = self._made_row()
 
+    @property
     def row(self) -> tuple[float, ...]:
-        """Return antenna (3), range, its deviation, bearing and its deviation; NaN where there is none."""
+        """Antenna (3), range, its deviation, bearing and its deviation; NaN where there is none."""
+        return self._row
+
+    def _made_row(self) -> tuple[float, ...]:
         bearing = np.nan if self.bearing is None else wrap(self.bearing)
         bearing_sd = np.nan if self.bearing is None else sqrt(self.bearing_variance)
-        return (*self.pose, self.range_m, sqrt(self.variance), bearing, bearing_sd)
+        return (*self.pose.tolist(), self.range_m, sqrt(self.variance), bearing, bearing_sd)
 
 
 def _spread_of_base(sighting: RangeSighting, facing_rad: float, covariance: Array) -> tuple[float, float]:
@@ -61,7 +67,7 @@ def _spread_of_base(sighting: RangeSighting, facing_rad: float, covariance: Arra
 
 def table(means: Mapping[tuple[int, int], RangeMean]) -> dict[str, Any]:
     """Return the fields of a ``GraphReport`` that hold ranges, of means by (anchor, tag index)."""
-    rows = np.array([mean.row() for mean in means.values()], np.float64).reshape(-1, 7)
+    rows = np.array([mean.row for mean in means.values()], np.float64).reshape(-1, 7)
     return {
         "range_pairs": np.array(list(means), np.int64).reshape(-1, 2),
         "range_poses": rows[:, :3].copy(),

@@ -18,6 +18,7 @@ from robots.types import GraphReport, IntArray
 
 _ANYWHERE_M = 100.0  # deviation along the circle
 _LEAST_SD_M = 1e-4
+_KERNEL_CHI2 = 9.0  # what is farther off than that counts for less
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -125,8 +126,13 @@ def tangents(graph: GraphProblem, views: RangeViews, state: Array, ranges: Range
     poses, information = graph.edge_poses.copy(), graph.edge_information.copy()
     met = views.links[~seen]
     poses[met, :2] = places[~seen]
-    information[met, :2, :2] = np.linalg.inv(spreads[~seen])
-    return replace(graph, edge_poses=poses, edge_information=information)
+    away = (errors / np.column_stack([ranges.sds, ranges.bearing_sds]))[~seen] ** 2
+    believed = np.minimum(1.0, _KERNEL_CHI2 / np.maximum((ranges.shares[~seen] * away).sum(axis=1), 1e-12))
+    information[met, :2, :2] = np.linalg.inv(spreads[~seen]) * believed[:, None, None]
+    robust = None if graph.edge_robust is None else graph.edge_robust.copy()
+    if robust is not None:
+        robust[met] = False  # the batch has let go of what is wrong
+    return replace(graph, edge_poses=poses, edge_information=information, edge_robust=robust)
 
 
 def _directions(poses: Array, arms: Array, tags: Array, bearings: Array | float) -> Array:
