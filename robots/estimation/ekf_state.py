@@ -19,6 +19,7 @@ from robots.se2 import Array, GaussianPose, Pose2, wrap
 
 MOST_NEAR = 64  # tags; beyond, those nearest to the robot are kept near
 _KEPT_NEAR = 40
+_SQRT2 = np.sqrt(2.0)
 _NOUGHT = 1e-14  # of the greatest eigenvalue: rounding
 _QUARTER = np.array([[0.0, -1.0], [1.0, 0.0]])  # J: turns by 90 degrees
 
@@ -147,11 +148,13 @@ class TagState:
         values, vectors = np.linalg.eigh(self._told)
         matter = values > _NOUGHT * values[-1]
         root = (vectors[:, matter] * np.sqrt(values[matter])).T @ cross
-        turned = self._kept[3] @ cross  # covariance of what turned with the far tags as they were
-        own = self._far_cov - root.T @ root
-        own += np.outer(turned + 0.5 * cov[3, 3] * by_turned, by_turned)
-        own += np.outer(by_turned, turned + 0.5 * cov[3, 3] * by_turned)
-        cov[n:, n:] = own
+        # what turned with the far tags goes with them as they were: u v' + v u' is a difference of squares
+        along = self._kept[3] @ cross + 0.5 * cov[3, 3] * by_turned
+        less = np.vstack([root, (along - by_turned) / _SQRT2])
+        more = (along + by_turned) / _SQRT2
+        own = cov[n:, n:]
+        np.subtract(self._far_cov, less.T @ less, out=own)
+        own += np.outer(more, more)
         return mean, cov
 
     def set_whole(self, names: Sequence[str], mean: Array, cov: Array, wanted: Iterable[str] = ()) -> None:

@@ -8,7 +8,7 @@ from robots.estimation.tag_filter import RangeSighting
 from robots.tags.map_memory import TagBelief
 
 _FAR_OFF = 25.0  # squared deviations
-_TIMES, _FOR_S = 6, 1.0  # in a row, and for so long, while others fit
+_TIMES, _FOR_S = 6, 10.0  # in a row and longer than an error of the radio lasts, while others fit
 _OTHERS_S = 10.0
 _MOVES = 3  # a tag that moved so often is not one tag
 _FARTHEST_M, _GREATEST_SD_M, _LEAST_SD_M = 1e6, 1e3, 1e-4

@@ -9,12 +9,12 @@ import typer
 
 from server.cli.console import CommandError, print_json, print_table
 
-_KNOWN = ("office", "latency", "scan-match", "solve", "incremental", "rslam")
+_KNOWN = ("office", "latency", "scan-match", "solve", "incremental", "rslam", "ekf")
 
 
 def bench(
     names: Annotated[
-        list[str] | None, typer.Argument(metavar="[office|latency|scan-match|solve|incremental|rslam]...")
+        list[str] | None, typer.Argument(metavar="[office|latency|scan-match|solve|incremental|rslam|ekf]...")
     ] = None,
     map_spec: Annotated[
         str, typer.Option("--map", metavar="FILE.yaml|office:AREA", help="Building for `office`.")
@@ -70,6 +70,10 @@ def _measure(name: str, map_spec: str, minutes: float, seconds: float) -> dict[s
         from server.benchmarks import range_updates
 
         return range_updates.measure()
+    if name == "ekf":
+        from server.benchmarks import ekf
+
+        return ekf.measure()
     from server.benchmarks import latency
 
     return latency.measure(seconds=seconds)

@@ -181,7 +181,7 @@ def test_a_tag_that_is_moved_is_learnt_anew(tag_walk):
     walk, tag_filter = _young(tag_walk, 8, steps=100)
     seen = [t for t in walk.tags if walk.sighting(t, 1e3) is not None]
     walk.tags[seen[0]] = [walk.pose.x + 2.0, walk.pose.y + 2.0]
-    walk.steps = 25
+    walk.steps = 40
     walk.run(tag_filter)
     _doubts(tag_filter, f"Tag {seen[0]} is not where it was")
     here = tag_filter.tags()[seen[0]]
@@ -191,7 +191,7 @@ def test_a_tag_that_is_moved_is_learnt_anew(tag_walk):
 def test_two_tags_of_one_id_are_told_of_and_not_used(tag_walk):
     walk, tag_filter = _young(tag_walk, 9)
     places = [[walk.pose.x + 2.0, walk.pose.y], [walk.pose.x, walk.pose.y + 3.0]]
-    walk.reach_m, walk.steps = 1e3, 20
+    walk.reach_m, walk.steps = 1e3, 40
     for k in range(8):
         walk.tags["twice"] = places[k % 2]
         walk.run(tag_filter)
