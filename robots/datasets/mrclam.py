@@ -59,6 +59,9 @@ _SETTINGS: dict[str, Any] = {
     "planning": {"replan_every_s": 10.0},  # somebody drove it; where our agent would go is only looked at
 }
 
+# particles take every range for a new one: a deviation for ranges whose errors stay the same for seconds
+_BY_RANGE: dict[str, Any] = {"slam": "rslam", "ranging": {"range_sd_m": 0.1, "range_sd_per_m": 0.06}}
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Sightings:
@@ -95,7 +98,7 @@ class MrclamRecording:
     @property
     def settings(self) -> dict[str, Any]:
         """Overrides of ``AgentConfig`` for this hardware."""
-        return _SETTINGS | {"slam": "rslam"} if self.range_only else _SETTINGS
+        return _SETTINGS | _BY_RANGE if self.range_only else _SETTINGS
 
     def settings_of(self, robot_id: str) -> dict[str, Any]:
         """Return the same: the robots are alike."""

@@ -16,7 +16,7 @@ from robots.sim.world import World
 from robots.types import NodeSensors
 
 _AMBIENT_C, _AMBIENT_HPA, _WEATHER_HPA = 18.0, 1013.0, 0.5
-_FIRE_C, _FIRE_HPA = 400.0, 8.0  # at its middle and height; a hot closed room is under pressure
+_FIRE_C, _FIRE_HPA = 400.0, 5.0  # at its middle and height; a hot closed room is under pressure
 _FIRE_GROWS_S = 60.0
 _TEMPERATURE_SD_C, _PRESSURE_SD_HPA, _TILT_SD_RAD = 0.2, 0.1, 0.01
 
@@ -125,4 +125,4 @@ class NodeLife:
 
 def _fire(world: World, radius_m: float, length_s: float, rng: np.random.Generator) -> Fire:
     x, y = place_tags(world, 1, radius_m, rng)[0].tolist()
-    return Fire(x, y, rng.uniform(0.0, 0.4) * length_s, rng.uniform(3.0, 6.0))
+    return Fire(x, y, rng.uniform(0.0, 0.4) * length_s, rng.uniform(2.0, 4.0))

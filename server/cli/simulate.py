@@ -11,6 +11,7 @@ import typer
 
 from server.cli.console import CommandError, print_json, print_table, progress
 from server.cli.options import (
+    TAGS_PANEL,
     EnvironmentOption,
     ExploreOption,
     JsonOption,
@@ -80,6 +81,14 @@ def simulate(
     spikes: Annotated[int, _count("Of a thousand readings of a radio that are far off.")] = 0,
     tags: TagsOption = Tags.NEAR,
     environment: EnvironmentOption = "open",
+    radio: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE.yaml",
+            help="In place of an environment: the radio that waymark fit-radio measured.",
+            rich_help_panel=TAGS_PANEL,
+        ),
+    ] = None,
     tags_in_place: TagsInPlaceOption = 0,
     slam: SlamOption = None,
     memory: MemoryOption = Memory.NONE,
@@ -113,6 +122,8 @@ def simulate(
     Step times are those of steps with a laser scan; step_hz counts all steps over the whole run.
     """
     from robots.config import AgentConfig, PlanningConfig
+    from robots.datasets.radio_file import read_radio
+    from robots.datasets.recording import RecordingError
     from robots.exploration.strategies import STRATEGIES
     from robots.sim.arguments import parse_radio_cut
     from robots.sim.hostile import HostileConfig
@@ -157,6 +168,7 @@ def simulate(
             infrareds=infrareds,
             tags=tags.value,
             environment=environment,
+            measured_radio=None if radio is None else read_radio(radio),
             tags_in_place=tags_in_place,
             slam=parse_slam(slam) if slam else (),
             tag_bits=tag_bits,
@@ -165,7 +177,7 @@ def simulate(
             ),
         )
         outcome = play(config)
-    except (ScenarioError, WorldError) as error:
+    except (ScenarioError, WorldError, RecordingError) as error:
         raise CommandError(str(error)) from error
     summary = report(outcome, out)
     if json:

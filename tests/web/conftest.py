@@ -1,8 +1,10 @@
-"""Serving an application on a free loopback port for a test."""
+"""Serving an application on a free loopback port for a test, and a browser to look at it."""
 
 from __future__ import annotations
 
 import asyncio
+import os
+import shutil
 import socket
 import threading
 from collections.abc import Iterator
@@ -10,6 +12,14 @@ from collections.abc import Iterator
 import pytest
 import uvicorn
 from fastapi import FastAPI
+from playwright.sync_api import Browser, sync_playwright
+
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+FLAGS = [
+    "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
+    "--ignore-gpu-blocklist", "--disable-background-networking", "--disable-component-update",
+    "--disable-default-apps", "--disable-sync", "--no-first-run",
+]  # fmt: skip
 
 
 class _Server:
@@ -62,3 +72,15 @@ def serve() -> Iterator[Serve]:
     serve = Serve()
     yield serve
     serve.close()
+
+
+@pytest.fixture(scope="module")  # while it is open no other event loop can run in this thread
+def browser() -> Iterator[Browser]:
+    if CHROMIUM is None:
+        if os.environ.get("CI"):
+            pytest.fail("no Chromium on this machine: the browser tests cannot run")
+        pytest.skip("no Chromium on this machine")
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
+        yield browser
+        browser.close()

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import re
-import shutil
 import signal
 import time
 from collections.abc import Callable, Iterator
@@ -14,7 +13,7 @@ from typing import Any
 import httpx
 import pytest
 from fastapi import FastAPI
-from playwright.sync_api import Browser, Page, expect, sync_playwright
+from playwright.sync_api import Browser, Page, expect
 
 from robots.agent import RobotAgent, merge_commands
 from robots.config import AgentConfig
@@ -28,8 +27,6 @@ pytestmark = pytest.mark.browser
 
 MISSION = "drill"
 AT = f"/api/v1/missions/{MISSION}"
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-FLAGS = ["--no-sandbox", "--disable-gpu", "--disable-background-networking", "--no-first-run"]
 SOON_MS = 30_000
 SOLVED_MS = 120_000  # of low priority, on a machine that has other things to do
 BATCHES, LATER = 60, 60
@@ -46,18 +43,6 @@ def wires() -> list[list[dict[str, Any]]]:
         found.append([observation_to_wire(observation) for observation in batch])
         simulation.apply({"r1": Order(merge_commands([agent.step(each) for each in batch]))})
     return found
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
-    if CHROMIUM is None:
-        if os.environ.get("CI"):
-            pytest.fail("no Chromium on this machine: the browser tests cannot run")
-        pytest.skip("no Chromium on this machine")
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
-        yield browser
-        browser.close()
 
 
 @pytest.fixture

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import shutil
 import threading
 from collections.abc import Callable, Iterator
 from math import atan2, cos, hypot, inf, pi, sin
@@ -13,7 +11,7 @@ from typing import Any
 import httpx
 import pytest
 from fastapi import FastAPI
-from playwright.sync_api import Browser, ConsoleMessage, Page, expect, sync_playwright
+from playwright.sync_api import Browser, ConsoleMessage, Page, expect
 
 from server.app import create_app
 from server.settings import Settings
@@ -21,12 +19,6 @@ from server.settings import Settings
 pytestmark = pytest.mark.browser
 
 MISSION = "drill"
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-FLAGS = [
-    "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
-    "--ignore-gpu-blocklist", "--disable-background-networking", "--disable-component-update",
-    "--disable-default-apps", "--disable-sync", "--no-first-run",
-]  # fmt: skip
 SOON_MS = 15_000
 FIRST_MS = 60_000  # the first observations may have to wait for the agent's kernels to compile
 
@@ -113,18 +105,6 @@ class SmallRobot:
         to_x = ((high_x if c > 0 else low_x) - self.x) / c if abs(c) > 1e-9 else inf
         to_y = ((high_y if s > 0 else low_y) - self.y) / s if abs(s) > 1e-9 else inf
         return min(to_x, to_y)
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
-    if CHROMIUM is None:
-        if os.environ.get("CI"):
-            pytest.fail("no Chromium on this machine: the browser tests cannot run")
-        pytest.skip("no Chromium on this machine")
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
-        yield browser
-        browser.close()
 
 
 @pytest.fixture

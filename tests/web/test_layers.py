@@ -142,3 +142,34 @@ def test_a_new_board_removes_what_it_does_not_have(scene: MissionScene) -> None:
     scene.draw(scene.take(20.0))
     assert len(node(scene, "/tags/points").batched_positions) == 1
     assert node(scene, "/tags/links") is None
+
+
+def test_nodes_have_masts_and_the_most_urgent_alert_of_each_a_pin(scene: MissionScene) -> None:
+    tag = {"x_m": 1.0, "y_m": 2.0}
+    reading = {"temperature_c": 85.0, "pressure_hpa": 1013.0, "tilt_rad": 0.0}
+    hot = {"tag_id": "A", "kind": "hot", "severity": "alarm", "acknowledged_unix_s": None}
+    tilted = hot | {"kind": "tilted", "severity": "warning"}
+    lost = hot | {"tag_id": "C"}
+    scene.replace(
+        {
+            "tag/A": tag,
+            "tag/B": tag,
+            "node/A": reading,
+            "node/C": reading,
+            "alert/hot:A": hot,
+            "alert/tilted:A": tilted,
+            "alert/hot:C": lost,
+        }
+    )
+    scene.draw(scene.take(10.0))
+    assert len(node(scene, "/nodes/masts").batched_positions) == 1  # nobody knows where C is
+    assert node(scene, "/nodes/alerts/1/label").text == "A  85 °C"
+    assert tuple(node(scene, "/nodes/alerts/1").position) == (1.0, 2.0, 0.0)
+    assert node(scene, "/nodes/alerts/2") is None
+    scene.put("alert/hot:A", hot | {"acknowledged_unix_s": 5.0})
+    scene.draw(scene.take(20.0))
+    assert node(scene, "/nodes/alerts/1/label").text == "A  knocked over"
+    scene.put("alert/hot:A", None)
+    scene.put("alert/tilted:A", None)
+    scene.draw(scene.take(30.0))
+    assert node(scene, "/nodes/alerts/1") is None

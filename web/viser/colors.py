@@ -19,6 +19,7 @@ WALL: Rgb = (196, 209, 226)
 TAG: Rgb = (255, 243, 196)
 DOUBTED_TAG: Rgb = (255, 138, 76)
 SILENT: Rgb = (120, 132, 148)
+ALERT_COLORS: dict[str, Rgb] = {"warning": (255, 190, 77), "alarm": (255, 90, 95)}
 VICTIM_COLORS: dict[str, Rgb] = {
     "suspected": (255, 190, 77),
     "confirmed": (255, 90, 95),

@@ -16,6 +16,7 @@ import viser
 from web.viser.cameras import Cameras
 from web.viser.colors import GROUND
 from web.viser.map_layer import Cells, Grid, MapLayer
+from web.viser.nodes_layer import NodesLayer
 from web.viser.robots_layer import RobotsLayer
 from web.viser.tags_layer import TagsLayer
 from web.viser.trails_layer import TrailsLayer
@@ -32,12 +33,17 @@ Value = dict[str, Any]
 
 @dataclass(frozen=True, slots=True)
 class Batch:
-    """What to draw next: new values by board key (None: gone); tags with links, and grid, if they changed."""
+    """What to draw next: new values by board key (None: gone); tags with links, and grid, if they changed.
+
+    ``nodes`` by tag id and ``alerts`` go with the tags; None where none of the three changed.
+    """
 
     values: dict[str, Value | None]
     tags: dict[str, Value] | None
     pairs: tuple[tuple[str, str], ...]
     grid: Grid | None
+    nodes: dict[str, Value] | None = None
+    alerts: tuple[Value, ...] = ()
 
 
 class MissionScene:
@@ -53,6 +59,8 @@ class MissionScene:
         self._robots = RobotsLayer(self._server)
         self._trails = TrailsLayer(self._server)
         self._tags = TagsLayer(self._server)
+        self._nodes = NodesLayer(self._server)
+        self._drawn_tags: dict[str, Value] = {}
         self._victims = VictimsLayer(self._server)
         self._cameras = Cameras(self._server)
         self._values: dict[str, Value] = {}
@@ -101,14 +109,22 @@ class MissionScene:
         is_slow_due = now_s - self._slow_drawn_s >= _SLOW_DRAW_S
         changed = {key for key in self._changed if is_slow_due or key.startswith(_FAST)}
         self._changed -= changed
-        tags, grid = None, None
+        tags, nodes, grid = None, None, None
         if is_slow_due:
             self._slow_drawn_s = now_s
             grid, self._grid = self._grid, None
             if any(key == "links" or key.startswith("tag/") for key in changed):
-                tags = {key[4:]: value for key, value in self._values.items() if key.startswith("tag/")}
+                tags = self._of_kind("tag")
+            if any(key.startswith(("tag/", "node/", "alert/")) for key in changed):
+                nodes = self._of_kind("node")
         pairs = tuple(self._values.get("links", {}).get("pairs", ()))
-        return Batch({key: self._values.get(key) for key in sorted(changed)}, tags, pairs, grid)
+        alerts = tuple(self._of_kind("alert").values())
+        values = {key: self._values.get(key) for key in sorted(changed)}
+        return Batch(values, tags, pairs, grid, nodes, alerts)
+
+    def _of_kind(self, kind: str) -> dict[str, Value]:
+        start = len(kind) + 1
+        return {key[start:]: value for key, value in self._values.items() if key.startswith(f"{kind}/")}
 
     def draw(self, batch: Batch) -> None:
         """Bring the scene to the values of the batch."""
@@ -123,7 +139,10 @@ class MissionScene:
             elif kind == "trail":
                 self._trails.put(name, value)
         if batch.tags is not None:
+            self._drawn_tags = batch.tags
             self._tags.show(batch.tags, batch.pairs)
+        if batch.nodes is not None:
+            self._nodes.show(self._drawn_tags, batch.nodes, batch.alerts)
         if batch.grid is not None:
             self._map.show(batch.grid)
             self._cameras.see_grid(batch.grid)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import deepcopy
 from math import exp, isfinite
 from zlib import crc32
 
@@ -12,6 +13,7 @@ from robots.estimation.rslam.lineage import Lineage
 from robots.estimation.rslam.nodes import Gathered, Node
 from robots.estimation.rslam.particles import Particles, copy_columns
 from robots.estimation.rslam.range_kernels import spread_of
+from robots.estimation.rslam.shared_maps import SharedMaps
 from robots.estimation.tag_filter import RangeSighting
 from robots.se2 import Array, GaussianPose, Pose2, wrap_array
 from robots.tags.map_memory import TagBelief, WriterMap
@@ -39,6 +41,10 @@ class RangeSlam:
         self._nodes: dict[str, Node] = {}
         self._doubts: list[str] = []
         self._told: set[str] = set()
+        self._has_compass = False
+        self._placed = 0  # nodes with a place, when maps that wait were looked at last
+        self._shared = SharedMaps(own)
+        self._alone: RangeSlam | None = None  # the same without what others told, once somebody has
 
     @property
     def belief(self) -> GaussianPose:
@@ -52,16 +58,32 @@ class RangeSlam:
 
     def predict(self, moved: GaussianPose) -> None:
         """Move each particle by a displacement drawn about ``moved``."""
+        if self._alone is not None:
+            self._alone.predict(moved)
         self._particles.move(moved)
 
     def see_heading(self, heading_rad: float, sd_rad: float) -> None:
         """Weigh the particles by a compass."""
+        if self._alone is not None:
+            self._alone.see_heading(heading_rad, sd_rad)
+        self._has_compass = True
         off = wrap_array(self._particles.poses[2] - heading_rad) / sd_rad
         self._particles.weigh(-0.5 * off * off)
         self._resample_if_due()
 
     def see(self, sighting: RangeSighting) -> bool:
         """Take in a range; say whether it fits what is known."""
+        if self._alone is not None:
+            self._alone.see(sighting)
+        fitted = self._see(sighting)
+        if self._shared.waiting:
+            placed = sum(len(node.blocks) == 1 for node in self._nodes.values())
+            if placed != self._placed:
+                self._placed = placed
+                self._take_maps()
+        return fitted
+
+    def _see(self, sighting: RangeSighting) -> bool:
         node = self._node(sighting)
         if node is None:
             return False
@@ -111,13 +133,17 @@ class RangeSlam:
 
     def own_map(self) -> tuple[TagBelief, ...]:
         """Return the nodes as this robot's own measurements alone have them."""
-        return tuple(self.tags().values())
+        return tuple((self._alone or self).tags().values())
 
     def read_map(self, other: WriterMap) -> None:
-        """Take in a map that another robot left."""
+        """Take in a map that another robot left, now or once enough of its nodes are known here."""
+        if self._shared.put(other):
+            self._take_maps()
 
     def take_doubts(self) -> tuple[str, ...]:
         """Return, once, what is wrong with nodes, ranges and maps."""
+        for doubt in self._shared.take_doubts():
+            self._doubt(doubt)
         doubts, self._doubts = tuple(self._doubts), []
         return doubts
 
@@ -158,8 +184,8 @@ class RangeSlam:
         node.ignored = node.moves >= _MOST_MOVES
         if node.ignored:
             self._doubt(
-                f"node {sighting.tag_id} keeps turning up at different places, as if two had the same id; its"
-                " ranges are left out"
+                f"node {sighting.tag_id} keeps turning up at different places, as if two had the same id;"
+                " its ranges are left out"
             )
         else:
             self._doubt(f"node {sighting.tag_id} is no longer where it was; it gets a new place")
@@ -177,6 +203,22 @@ class RangeSlam:
         if text not in self._told:
             self._told.add(text)
             self._doubts.append(text)
+
+    def _take_maps(self) -> None:
+        """Take in maps that wait; from then on what this robot has by itself is kept apart.
+
+        What it has by itself is what it leaves in memories: what others told would come back as news.
+        """
+        known = self.tags()
+        if not self._shared.fits_any(known, self._has_compass):
+            return
+        if self._alone is None:
+            self._alone = deepcopy(self)
+            self._alone._shared = SharedMaps(self._config)
+        self._shared.take(self._nodes, self._particles, self._scales)
+        for node in self._nodes.values():
+            node.settle_mirror(self._particles.weights)
+        self._resample_if_due()
 
     def _gather(self, node: Node, sighting: RangeSighting, antennas: Array) -> bool:
         particles = self._particles

@@ -194,7 +194,11 @@ function drawTags(ctx, view, store) {
   ctx.stroke();
   ctx.fill();
   drawDoubtedTags(ctx, drawn.filter(({ tag }) => isDoubted(tag)), radius + 1.5);
-  if (isClose) drawTagLabels(ctx, drawn, radius);
+  if (store.selected?.kind === "tag") drawSelected(ctx, drawn.find(({ tag }) => tag.tag_id === store.selected?.id));
+  if (!isClose) return;
+  const alerted = new Set(store.layers.sensors ? [...store.alerts.values()].map((alert) => alert.tag_id) : []);
+  const named = drawn.filter(({ tag }) => !alerted.has(tag.tag_id)); // an alert's mark has the name already
+  drawTagLabels(ctx, named, radius, store.layers.sensors ? store.nodes : null);
 }
 
 /**
@@ -217,12 +221,35 @@ function drawTagEllipse(ctx, view, x, y, covariance) {
 }
 
 /**
+ * @param {CanvasRenderingContext2D} ctx
+ * @param {{x: number, y: number} | undefined} place
+ */
+function drawSelected(ctx, place) {
+  if (!place) return;
+  ctx.strokeStyle = TAG;
+  ctx.lineWidth = 2;
+  ctx.beginPath();
+  ctx.arc(place.x, place.y, 11, 0, 2 * Math.PI);
+  ctx.stroke();
+}
+
+/**
+ * @param {import("./types.js").Tag} tag
+ * @param {import("./types.js").Node | undefined} node
+ */
+function labelOf(tag, node) {
+  const id = isDoubted(tag) ? `${tag.tag_id} ${tag.state}` : tag.tag_id;
+  return node?.temperature_c == null ? id : `${id} ${Math.round(node.temperature_c)}°`;
+}
+
+/**
  * Ids beside their tags, leaving out those that would cover an earlier one.
  * @param {CanvasRenderingContext2D} ctx
  * @param {{tag: import("./types.js").Tag, x: number, y: number}[]} drawn
  * @param {number} radius
+ * @param {Map<string, import("./types.js").Node> | null} sensors
  */
-function drawTagLabels(ctx, drawn, radius) {
+function drawTagLabels(ctx, drawn, radius, sensors) {
   ctx.font = "600 11px ui-monospace, SFMono-Regular, Menlo, Consolas, monospace";
   ctx.textBaseline = "middle";
   ctx.lineWidth = 3;
@@ -231,7 +258,7 @@ function drawTagLabels(ctx, drawn, radius) {
   const placed = /** @type {[number, number, number][]} */ ([]);
   for (const { tag, x, y } of drawn) {
     const left = x + radius + 4;
-    const text = isDoubted(tag) ? `${tag.tag_id} ${tag.state}` : tag.tag_id;
+    const text = labelOf(tag, sensors?.get(tag.tag_id));
     const width = ctx.measureText(text).width;
     if (placed.some(([l, t, w]) => Math.abs(t - y) < 13 && left < l + w + 6 && l < left + width + 6)) continue;
     placed.push([left, y, width]);

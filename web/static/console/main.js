@@ -1,7 +1,9 @@
 /** The console: which mission, its stream, and the parts of the page that show it. */
 
 import { ApiError, request } from "./api.js";
+import { AlertList, TagCard } from "./alerts.js";
 import { attachDivider } from "./divider.js";
+import { isOpen } from "./node_sensors.js";
 import { Plan } from "./plan.js";
 import { EventFeed, VictimList } from "./reports.js";
 import { RobotList } from "./robot_list.js";
@@ -28,7 +30,7 @@ attachDivider(element("divider"), element("stage"), store);
 /** @type {Stream | null} */
 let stream = null;
 
-/** @param {"robot" | "victim"} kind */
+/** @param {"robot" | "victim" | "tag"} kind */
 const select = (kind) => (/** @type {string} */ id) => {
   store.select({ kind, id });
   plan.centreOnSelected();
@@ -87,8 +89,12 @@ function Tabs() {
   return TABS.map(([tab, label]) => html`<button type="button" aria-pressed=${store.tab === tab} onClick=${() => {
     store.tab = tab;
     store.changed();
-  }}>${label}${tab === "victims" && store.victims.size > 0 && html` <span class="count">${store.victims.size}</span>`
-  }</button>`);
+  }}>${label}${countOf(tab) > 0 && html` <span class="count">${countOf(tab)}</span>`}</button>`);
+}
+
+/** What waits on a tab: victims, or alerts that nobody has taken note of. @param {string} tab */
+function countOf(tab) {
+  return { victims: store.victims.size, events: [...store.alerts.values()].filter(isOpen).length }[tab] ?? 0;
 }
 
 function Notices() {
@@ -113,10 +119,11 @@ function renderPanels() {
   render(html`<${StopBanner} store=${store} stops=${stops} />`, element("banner"));
   render(html`<${RobotList} store=${store} stops=${stops} onSelect=${select("robot")} />`, element("robots"));
   render(html`
+    <section id="alerts" aria-label="Alerts"><${AlertList} store=${store} onSelect=${select("tag")} /></section>
     <section id="victims" aria-label="Victims"><${VictimList} store=${store} onSelect=${select("victim")} /></section>
     <section id="events" aria-label="Events"><${EventFeed} store=${store} onSelect=${select("robot")} /></section>`,
     element("reports"));
-  render(html`<${PlanTools} store=${store} plan=${plan} />`, element("plan-tools"));
+  render(html`<${PlanTools} store=${store} plan=${plan} /><${TagCard} store=${store} />`, element("plan-tools"));
   render(html`<${Veil} store=${store} onRetry=${() => stream?.retry()} />`, element("veil"));
   render(html`<${Tabs} />`, element("tabs"));
   render(html`<${Notices} />`, element("notices"));

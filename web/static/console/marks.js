@@ -1,11 +1,12 @@
-/** Robots, victims and notes on the plan: real elements, so that they can be clicked, focused and read out. */
+/** Robots, victims, alerts and notes on the plan: real elements, so that they can be clicked, focused and read out. */
 
 import { robotColor } from "./color.js";
 import { ellipse, percent } from "./format.js";
+import { alarming, ALERT_KINDS, alertByTag, isOpen } from "./node_sensors.js";
 import { L } from "./vendor.js";
 import { statusOf } from "./victim_status.js";
 
-/** @import {Annotation, Robot, Victim} from "./types.js" */
+/** @import {Alert, Annotation, Robot, Victim} from "./types.js" */
 /** @import {Store} from "./store.js" */
 
 const SVG = "http://www.w3.org/2000/svg";
@@ -20,7 +21,7 @@ export class Marks {
   /**
    * @param {import("leaflet").Map} map
    * @param {Store} store
-   * @param {(selected: {kind: "robot" | "victim", id: string}) => void} onSelect
+   * @param {(selected: {kind: "robot" | "victim" | "tag", id: string}) => void} onSelect
    */
   constructor(map, store, onSelect) {
     this.map = map;
@@ -39,6 +40,7 @@ export class Marks {
     const { robots, victims } = store.shown;
     for (const robot of robots.values()) wanted.add(this.#robot(robot));
     if (store.layers.victims) for (const victim of victims.values()) wanted.add(this.#victim(victim));
+    if (store.layers.sensors) for (const alert of alertByTag(store).values()) wanted.add(this.#alert(alert));
     if (store.layers.notes) {
       for (const [id, annotation] of store.annotations) wanted.add(this.#note(id, annotation));
     }
@@ -94,6 +96,23 @@ export class Marks {
       "aria-label", `Victim ${victim.victim_id}, ${status.label}, confidence ${percent(victim.confidence)}`);
     shapeEllipse(mark.parts.sigma, victim.covariance, 2 ** this.map.getZoom(), this.store.layers.uncertainty);
     this.#moveTo(mark, [victim.x_m, victim.y_m, 0]);
+    return key;
+  }
+
+  /** At the node that it is about, as far as the map has that. @param {Alert} alert */
+  #alert(alert) {
+    const tag = this.store.shown.tags.get(alert.tag_id);
+    const key = `alert/${alert.tag_id}`;
+    if (!tag) return null;
+    const mark = this.marks.get(key) ?? this.#add(key, "alert", noteShape(), () =>
+      this.onSelect({ kind: "tag", id: alert.tag_id }));
+    mark.root.dataset.severity = alert.severity;
+    mark.root.dataset.alert = alert.tag_id;
+    mark.root.classList.toggle("noted", !isOpen(alert));
+    mark.parts.glyph.textContent = ALERT_KINDS[alert.kind]?.glyph ?? "!";
+    mark.parts.name.textContent = `${alert.tag_id} · ${alarming(alert, this.store.nodes.get(alert.tag_id))}`;
+    mark.root.setAttribute("aria-label", alert.text);
+    this.#moveTo(mark, [tag.x_m, tag.y_m, 0]);
     return key;
   }
 

@@ -10,6 +10,8 @@ import { L } from "./vendor.js";
 /** @import {Store} from "./store.js" */
 
 const PANES = { ground: 150, building: 200, ink: 420, reports: 610, robots: 620 };
+const POINT_PX = 12;
+const CLICK_PX = 18; // a finger is no pointer
 const CLOSE_ZOOM = 5.2; // about 37 pixels a metre: a room fills the view
 
 export class Plan {
@@ -63,6 +65,10 @@ export class Plan {
     root.addEventListener("wheel", () => this.mode === "fit" && this.#setMode("free"), { passive: true });
     this.map.on("zoom move", () => store.changed());
     this.map.on("mousemove", (event) => this.#point(event.latlng));
+    this.map.on("click", (event) => {
+      const id = this.#tagAt(event.latlng, CLICK_PX);
+      if (id) store.select({ kind: "tag", id });
+    });
     this.map.on("mouseout", () => {
       this.cursor = null;
       store.changed();
@@ -101,12 +107,13 @@ export class Plan {
     this.map.setZoom(this.map.getZoom() + steps * 0.75);
   }
 
-  /** Put the selected robot or victim into the middle of the view. */
+  /** Put the selected robot, victim or tag into the middle of the view. */
   centreOnSelected() {
     const { selected, best, robots, shown } = this.store;
     const ends = new Map(best.content?.robots.map((robot) => [robot.robot_id, robot]));
     const thing = selected?.kind === "robot"
-      ? (best.isShown ? ends : robots).get(selected.id) : shown.victims.get(selected?.id ?? "");
+      ? (best.isShown ? ends : robots).get(selected.id)
+      : (selected?.kind === "tag" ? shown.tags : shown.victims).get(selected?.id ?? "");
     if (!thing) return;
     if (this.mode === "fit") this.#setMode("free");
     this.map.setView([thing.y_m, thing.x_m], Math.max(this.map.getZoom(), CLOSE_ZOOM - 0.7), { animate: false });
@@ -161,16 +168,24 @@ export class Plan {
 
   /** @param {import("leaflet").LatLng} place */
   #point(place) {
-    const reach_m = 12 / this.scale();
+    this.cursor = { x_m: place.lng, y_m: place.lat, tag: this.#tagAt(place, POINT_PX) };
+    this.store.changed();
+  }
+
+  /**
+   * The nearest tag within so many pixels, or none.
+   * @param {import("leaflet").LatLng} place
+   * @param {number} reach_px
+   */
+  #tagAt(place, reach_px) {
     let tag = "";
-    let nearest_m = reach_m;
+    let nearest_m = reach_px / this.scale();
     if (this.store.layers.tags) {
       for (const each of this.store.shown.tags.values()) {
         const distance_m = Math.hypot(each.x_m - place.lng, each.y_m - place.lat);
         if (distance_m < nearest_m) [tag, nearest_m] = [each.tag_id, distance_m];
       }
     }
-    this.cursor = { x_m: place.lng, y_m: place.lat, tag };
-    this.store.changed();
+    return tag;
   }
 }

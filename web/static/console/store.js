@@ -2,7 +2,8 @@
 
 import { BestMap } from "./best_map.js";
 
-/** @import {Annotation, ConnectionState, MapInfo, Mission, MissionEvent, Robot, Tag, Trail, Victim} from "./types.js" */
+/** @import {Alert, Annotation, ConnectionState, MapInfo, Mission, MissionEvent, Node} from "./types.js" */
+/** @import {Robot, Tag, Trail, Victim} from "./types.js" */
 
 const PREFERENCES = "waymark.console";
 const LATE_AFTER_S = 3;
@@ -14,6 +15,7 @@ export const LAYERS = /** @type {const} */ ({
   grid: ["Metre grid", true],
   trails: ["Trails", true],
   tags: ["Tags", true],
+  sensors: ["Node sensors", true],
   links: ["Links between tags", true],
   uncertainty: ["Uncertainty (2σ)", true],
   plans: ["Plan of selected robot", true],
@@ -30,6 +32,10 @@ export class Store {
   trails = new Map();
   /** @type {Map<string, Tag>} */
   tags = new Map();
+  /** @type {Map<string, Node>} */
+  nodes = new Map();
+  /** @type {Map<string, Alert>} */
+  alerts = new Map();
   /** @type {Map<string, Victim>} */
   victims = new Map();
   /** @type {Map<string, Annotation>} */
@@ -43,7 +49,7 @@ export class Store {
   /** Kind in a board key -> what has an id of that kind. @type {Record<string, Map<string, any>>} */
   keyed = {
     robot: this.robots, trail: this.trails, tag: this.tags, victim: this.victims, annotation: this.annotations,
-    event: this.events,
+    event: this.events, node: this.nodes, alert: this.alerts,
   };
 
   constructor() {
@@ -56,7 +62,7 @@ export class Store {
     this.connection = { state: "loading", heardAt: Date.now(), attempt: 0, retryAt: 0, reason: "" };
     /** Difference between the server's clock and ours, in seconds. */
     this.clockOffset_s = 0;
-    /** @type {{kind: "robot" | "victim", id: string} | null} */
+    /** @type {{kind: "robot" | "victim" | "tag", id: string} | null} */
     this.selected = null;
     /** @type {Map<number, {text: string, level: "warning" | "alarm"}>} */
     this.notices = new Map();
@@ -153,7 +159,7 @@ export class Store {
     return { link: isLost ? "lost" : isLate ? "late" : robot.link, age_s };
   }
 
-  /** @param {{kind: "robot" | "victim", id: string} | null} selected */
+  /** @param {{kind: "robot" | "victim" | "tag", id: string} | null} selected */
   select(selected) {
     this.selected = selected;
     this.changed();

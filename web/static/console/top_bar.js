@@ -1,6 +1,7 @@
 /** The bar over everything: which mission, how it stands, whether it is live, and STOP for all. */
 
 import { missionClock, timeOfDay } from "./format.js";
+import { isOpen } from "./node_sensors.js";
 import { ResumeButton } from "./robot_list.js";
 import { html } from "./vendor.js";
 
@@ -24,6 +25,7 @@ export function TopBar({ store, stops, onMission, onView }) {
   const robots = [...store.robots.values()];
   const live = robots.filter((robot) => store.linkOf(robot).link === "live").length;
   const open = [...store.victims.values()].filter((victim) => victim.status !== "dismissed").length;
+  const alerts = [...store.alerts.values()].filter(isOpen).length;
   const { state } = store.connection;
   return html`
     <a class="brand" href="/console" aria-label="Waymark, the mission's console">
@@ -44,6 +46,7 @@ export function TopBar({ store, stops, onMission, onView }) {
       <${Figure} label="Explored" value=${`${Math.round(store.exploredM2)} m²`} />
       <${Figure} label="Robots live" value=${`${live} / ${robots.length}`} level=${live < robots.length ? "warn" : ""} />
       <${Figure} label="Victims" value=${open} level=${open ? "alarm" : ""} />
+      ${alerts > 0 && html`<${Figure} label="Alerts" value=${alerts} level="alarm alerts" />`}
       <${Figure} label="Tags" value=${store.tags.size} />
     </dl>
     <div class="views" role="group" aria-label="View">

@@ -11,6 +11,11 @@
  * @typedef {{robot_id: string, points_m: [number, number][]}} Trail
  * @typedef {{tag_id: string, x_m: number, y_m: number, covariance: number[], sightings: number,
  *   robots: string[], state?: "sound" | "moved" | "cloned" | "doubtful", notice?: string}} Tag
+ * @typedef {{tag_id: string, temperature_c: number | null, pressure_hpa: number | null, tilt_rad: number | null,
+ *   heard_unix_s: number, robot_id: string}} Node
+ * @typedef {{alert_id: string, tag_id: string, kind: string, text: string, robot_id: string,
+ *   severity: "info" | "warning" | "alarm", raised_unix_s: number, over_unix_s: number | null,
+ *   acknowledged_by: string, acknowledged_unix_s: number | null}} Alert
  * @typedef {{victim_id: string, x_m: number, y_m: number, covariance: number[], confidence: number, status: string,
  *   sightings: number, robots: string[], note?: string | null}} Victim
  * @typedef {{annotation_id?: string, kind: string, text: string, x_m?: number | null, y_m?: number | null,

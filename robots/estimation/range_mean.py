@@ -1,0 +1,67 @@
+"""Sightings by range from one anchor, gathered, and the rows they make in a report."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from math import cos, hypot, sin, sqrt
+from typing import Any
+
+import numpy as np
+
+from robots.estimation.tag_filter import RangeSighting
+from robots.se2 import Array, GaussianPose, wrap
+
+
+class RangeMean:
+    """The sightings of one tag from about one place: they share their errors, so their mean counts as one."""
+
+    def __init__(self) -> None:
+        self.count = 0
+        self.pose = np.zeros(3)  # of the antenna in the anchor's frame
+        self.range_m = self.variance = 0.0
+        self.bearing: float | None = None
+        self.bearing_sd: float | None = None
+
+    def add(self, sighting: RangeSighting, anchor_from_base: GaussianPose) -> None:
+        """Take in a sighting made from a pose of the base in the anchor's frame, with that one's error."""
+        antenna = (anchor_from_base.mean @ sighting.base_from_antenna).as_array()
+        along, across = _spread_of_base(sighting, antenna[2], anchor_from_base.covariance)
+        self.count += 1
+        share = 1.0 / self.count
+        turn = wrap(antenna[2] - self.pose[2]) if self.count > 1 else antenna[2]
+        self.pose += np.array([*(antenna[:2] - self.pose[:2]), turn]) * share
+        self.range_m += (sighting.range_m - self.range_m) * share
+        self.variance += (sighting.range_sd_m**2 + along - self.variance) * share
+        if sighting.bearing_rad is not None:
+            self.bearing_sd = hypot(sighting.bearing_sd_rad or 0.0, sqrt(across))
+            before = sighting.bearing_rad if self.bearing is None else self.bearing
+            self.bearing = before + wrap(sighting.bearing_rad - before) * share
+
+    def row(self) -> tuple[float, ...]:
+        """Return antenna (3), range, its deviation, bearing and its deviation; NaN where there is none."""
+        bearing = np.nan if self.bearing is None else wrap(self.bearing)
+        bearing_sd = np.nan if self.bearing_sd is None else self.bearing_sd
+        return (*self.pose, self.range_m, sqrt(self.variance), bearing, bearing_sd)
+
+
+def _spread_of_base(sighting: RangeSighting, facing_rad: float, covariance: Array) -> tuple[float, float]:
+    """Return the variances of range (m2) and bearing (rad2) that come from the pose they were made from."""
+    if sighting.bearing_rad is None:
+        return float(covariance[0, 0] + covariance[1, 1]) / 2.0, 0.0
+    c, s = cos(facing_rad + sighting.bearing_rad), sin(facing_rad + sighting.bearing_rad)
+    u = np.array([c, s, 0.0])
+    v = np.array([-s, c, 0.0]) / max(sighting.range_m, sighting.range_sd_m) + [0.0, 0.0, 1.0]
+    return max(float(u @ covariance @ u), 0.0), max(float(v @ covariance @ v), 0.0)
+
+
+def table(means: Mapping[tuple[int, int], RangeMean]) -> dict[str, Any]:
+    """Return the fields of a ``GraphReport`` that hold ranges, of means by (anchor, tag index)."""
+    rows = np.array([mean.row() for mean in means.values()], np.float64).reshape(-1, 7)
+    return {
+        "range_pairs": np.array(list(means), np.int64).reshape(-1, 2),
+        "range_poses": rows[:, :3].copy(),
+        "ranges_m": rows[:, 3].copy(),
+        "range_sds_m": rows[:, 4].copy(),
+        "bearings_rad": rows[:, 5].copy(),
+        "bearing_sds_rad": rows[:, 6].copy(),
+    }

@@ -1,0 +1,169 @@
+"""Maps that other robots left in nodes' memories (Sun 2009 section 5.2), taken in by every particle.
+
+A map holds its writer's own measurements alone and a newer one stands for the older ones, so nothing is
+counted twice as long as each is taken for what it adds to the one before.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from robots.config import RangeSlamConfig
+from robots.estimation.rslam.map_fit import MapFit, MapPlaces, fit, sane, to_places
+from robots.estimation.rslam.map_kernels import align, begin, told
+from robots.estimation.rslam.nodes import Gathered, Node
+from robots.estimation.rslam.particles import Particles
+from robots.estimation.rslam.range_kernels import ROWS
+from robots.se2 import Array
+from robots.tags.map_memory import TagBelief, WriterMap
+
+_COMPASS_SD_RAD = 0.05  # between the norths of two robots
+_ANY_TURN = 1e6  # variance
+_MOST_NATS = 10.0  # by which one map may tell particles apart
+_TWICE = 0.5  # a place is taken again once its variance is so much less than it was
+
+
+@dataclass(slots=True)
+class _Writer:
+    newest: WriterMap
+    places: MapPlaces
+    tried_with: frozenset[str] = frozenset()  # nodes that had a place at the last attempt
+    fit: MapFit | None = None
+    done: bool = False
+
+
+class SharedMaps:
+    """What others left: maps that wait until enough nodes are common, and what was taken of each."""
+
+    def __init__(self, config: RangeSlamConfig) -> None:
+        self._config = config
+        self._writers: dict[str, _Writer] = {}
+        self._taken: dict[tuple[str, str], Array] = {}  # covariance with which a writer's node was taken last
+        self._turn_sd_rad: float | None = None
+        self._doubts: list[str] = []
+
+    def put(self, other: WriterMap) -> bool:
+        """Keep a map to be taken in; say whether it is news."""
+        known = self._writers.get(other.writer)
+        if known is not None and other.revision <= known.newest.revision:
+            return False
+        places = sane(other)
+        if len(places.ids) < len(other.beliefs):
+            self._doubts.append(
+                f"the map that {other.writer} left has places that cannot be true; they are left out"
+            )
+        self._writers[other.writer] = _Writer(other, places)
+        return True
+
+    @property
+    def waiting(self) -> bool:
+        """Whether a map waits for more nodes in common."""
+        return any(not each.done for each in self._writers.values())
+
+    def take_doubts(self) -> list[str]:
+        """Return, once, what is wrong with maps."""
+        doubts, self._doubts = self._doubts, []
+        return doubts
+
+    def fits_any(self, known: dict[str, TagBelief], with_compass: bool) -> bool:
+        """Find out how the maps that wait lie among the nodes ``known``; say whether one can be taken in."""
+        mine = to_places(known)
+        self._turn_sd_rad = _COMPASS_SD_RAD if with_compass else None
+        for name, writer in self._writers.items():
+            common = frozenset(known) & frozenset(writer.places.ids)
+            if writer.done or common == writer.tried_with:
+                continue
+            writer.tried_with = common
+            try:
+                writer.fit = fit(mine, writer.places, self._turn_sd_rad)
+            except ValueError:
+                self._doubts.append(
+                    f"the map that {name} left does not fit the nodes as they lie here, as if it were of"
+                    " another mission; it is left out"
+                )
+        return any(writer.fit is not None for writer in self._writers.values())
+
+    def take(self, nodes: dict[str, Node], particles: Particles, scales: Array) -> None:
+        """Take in what fits."""
+        for name, writer in self._writers.items():
+            if writer.fit is not None:
+                self._take(name, writer.fit, nodes, particles, scales)
+                writer.fit, writer.done = None, True
+
+    def _take(
+        self, writer: str, found: MapFit, nodes: dict[str, Node], particles: Particles, scales: Array
+    ) -> None:
+        if not any(
+            self._is_news(writer, *each, nodes)
+            for each in zip(found.other.ids, found.other.spreads, strict=True)
+        ):
+            return
+        count = particles.count
+        agreed = found.other.of(found.agreed)
+        blocks = np.array([_likely_block(nodes[tag_id], particles.weights) for tag_id in found.agreed])
+        frames, evidence = np.empty((3, count)), np.empty(count)
+        turn_variance = _ANY_TURN if self._turn_sd_rad is None else self._turn_sd_rad**2
+        noise = particles.normal(3, count)
+        start = found.frame if self._turn_sd_rad is None else found.frame * [1.0, 1.0, 0.0]
+        align(blocks, scales, agreed.places, agreed.spreads, start, turn_variance, noise, frames, evidence)
+        if not any(each == writer for each, _ in self._taken):  # later maps of it say the same once more
+            particles.weigh(np.maximum(evidence - evidence.max(), -_MOST_NATS))
+        for tag_id, place, spread in zip(
+            found.other.ids, found.other.places, found.other.spreads, strict=True
+        ):
+            node = nodes.setdefault(tag_id, Node())
+            if not node.is_placed:
+                self._begin(node, place, spread, frames, scales)
+                self._taken[writer, tag_id] = spread
+            elif tag_id in found.agreed and self._is_news(writer, tag_id, spread, nodes):
+                self._tell(writer, tag_id, node, place, spread, frames, scales)
+
+    def _is_news(self, writer: str, tag_id: str, spread: Array, nodes: dict[str, Node]) -> bool:
+        """Tell whether a place was not taken yet, or not nearly so well known."""
+        before = self._taken.get((writer, tag_id))
+        if before is None or tag_id not in nodes or not nodes[tag_id].is_placed:
+            return True
+        return bool(np.trace(spread) < _TWICE * np.trace(before))
+
+    def _begin(self, node: Node, place: Array, spread: Array, frames: Array, scales: Array) -> None:
+        """Begin a node where the map has it, then take in the ranges that were gathered of it."""
+        block = np.empty((ROWS, frames.shape[1]))
+        begin(block, place, spread, frames, self._config.offset_sd_m**2)
+        node.blocks, node.log_shares = [block], np.zeros((1, frames.shape[1]))
+        gathered, node.gathered = node.gathered, Gathered()
+        outliers = (self._config.outlier_share, self._config.outlier_reach_m)
+        for range_m, sd_m, antennas in zip(gathered.ranges_m, gathered.sds_m, gathered.antennas, strict=True):
+            works, total = node.see(scales, antennas, range_m, sd_m * sd_m, outliers)
+            node.correct(scales, works, total)
+
+    def _tell(
+        self,
+        writer: str,
+        tag_id: str,
+        node: Node,
+        place: Array,
+        spread: Array,
+        frames: Array,
+        scales: Array,
+    ) -> None:
+        before = self._taken.get((writer, tag_id))
+        news = spread
+        if before is not None:
+            news = np.linalg.inv(np.linalg.inv(spread) - 0.99 * np.linalg.inv(before))
+            if np.linalg.eigvalsh(news)[0] <= 0.0:
+                return  # it became surer in one direction and less so in another: no measurement does that
+        self._taken[writer, tag_id] = spread
+        fits = np.empty((len(node.blocks), frames.shape[1]))
+        for block, each in zip(node.blocks, fits, strict=True):
+            told(block, scales, place, news, frames, each)
+        if len(node.blocks) > 1:
+            node.log_shares += fits
+            node.log_shares -= np.logaddexp.reduce(node.log_shares, axis=0)
+
+
+def _likely_block(node: Node, weights: Array) -> Array:
+    if len(node.blocks) == 1:
+        return node.blocks[0]
+    return node.blocks[int(np.argmax(np.exp(node.log_shares) @ weights))]

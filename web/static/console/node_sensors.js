@@ -1,0 +1,75 @@
+/** What active nodes measure: words for their readings and alerts, and the request that takes note of one. */
+
+import { missionPath, request } from "./api.js";
+import { fixed } from "./format.js";
+
+/** @import {Alert, Node} from "./types.js" */
+/** @import {Store} from "./store.js" */
+
+/** What stands for a kind of alert, with its name: @type {Record<string, {glyph: string, label: string}>} */
+export const ALERT_KINDS = {
+  hot: { glyph: "°C", label: "Hot" },
+  tilted: { glyph: "∠", label: "Knocked over" },
+  pressure: { glyph: "hPa", label: "Pressure changed" },
+};
+
+/** @param {Alert} alert */
+export const isOpen = (alert) => alert.acknowledged_unix_s == null;
+
+/**
+ * Alerts of one tag or of all: those that nobody has taken note of first, alarms before warnings, then the newest.
+ * @param {Store} store
+ * @param {string} [tagId]
+ */
+export function alertsOf(store, tagId) {
+  /** @param {Alert} alert */
+  const urgency = (alert) => 2 * Number(isOpen(alert)) + Number(alert.severity === "alarm");
+  return [...store.alerts.values()]
+    .filter((alert) => tagId === undefined || alert.tag_id === tagId)
+    .sort((a, b) => urgency(b) - urgency(a) || b.raised_unix_s - a.raised_unix_s);
+}
+
+/** The most urgent alert of each tag. @param {Store} store @returns {Map<string, Alert>} */
+export function alertByTag(store) {
+  return new Map(alertsOf(store).reverse().map((alert) => [alert.tag_id, alert]));
+}
+
+/** @param {Node} node */
+export function readings(node) {
+  const tilt_deg = node.tilt_rad == null ? null : (180 * node.tilt_rad) / Math.PI;
+  return [
+    ["Temperature", node.temperature_c == null ? "" : `${fixed(node.temperature_c, 1)} °C`],
+    ["Pressure", node.pressure_hpa == null ? "" : `${fixed(node.pressure_hpa, 1)} hPa`],
+    ["Leans by", tilt_deg == null ? "" : `${fixed(tilt_deg, 0)}°`],
+  ].filter(([, value]) => value);
+}
+
+/** The reading that an alert is about, in short. @param {Alert} alert @param {Node | undefined} node */
+export function alarming(alert, node) {
+  if (!node) return ALERT_KINDS[alert.kind]?.label ?? alert.kind;
+  if (alert.kind === "hot") return `${fixed(node.temperature_c, 0)} °C`;
+  if (alert.kind === "tilted") return "knocked over";
+  return `${fixed(node.pressure_hpa, 0)} hPa`;
+}
+
+/**
+ * Take note of alerts, one after the other.
+ * @param {Store} store
+ * @param {Alert[]} alerts
+ * @param {Event} event
+ */
+export async function acknowledge(store, alerts, event) {
+  const button = /** @type {HTMLButtonElement} */ (event.currentTarget);
+  button.disabled = true;
+  for (const alert of alerts) {
+    const path = `${missionPath(store.missionId ?? "")}/alerts/${encodeURIComponent(alert.alert_id)}/acknowledge`;
+    try {
+      await request("POST", path, { by: "operator" });
+    } catch (error) {
+      store.notify(`The alert about ${alert.tag_id} was not acknowledged. ${/** @type {Error} */ (error).message}`);
+      break;
+    }
+  }
+  button.disabled = false;
+  store.changed();
+}
