@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from robots.estimation.range_views import as_sightings
+from robots.graph_report import GraphReport, IntArray
 from robots.se2 import Array
-from robots.types import GraphReport, IntArray
 from server.schemas.findings import GraphEdgeOut, GraphVertexOut, RobotGraphOut
 
 

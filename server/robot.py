@@ -18,8 +18,9 @@ import numpy as np
 from db.records import RobotRecord, SnapshotRecord
 from db.store import Store
 from robots import codec
+from robots.graph_report import GraphReport
 from robots.se2 import Array, GaussianPose, Pose2
-from robots.types import AgentUpdate, Command, GraphReport, Observation
+from robots.types import AgentUpdate, Command, Observation
 from server.agents.host import AgentHost
 
 Link = Literal["live", "late", "lost"]

@@ -13,11 +13,12 @@ from robots.agent import ObservationError, RobotAgent
 from robots.config import AgentConfig
 from robots.datasets.recording import Recording
 from robots.estimation.range_views import as_sightings
+from robots.graph_report import GraphReport
 from robots.overrides import override
 from robots.se2 import Array
 from robots.team import TeamMap, TeamRobot, TeamUpdate
 from robots.trajectory import Trajectory, TrajectoryStep, edges_of, final_trajectory
-from robots.types import AgentUpdate, GraphReport, Observation
+from robots.types import AgentUpdate, Observation
 
 _ROOM_BYTES = 12_000  # of a tag in a recording, with --memory: as much as an active node has
 

@@ -8,8 +8,8 @@ import numpy as np
 
 from robots.estimation.range_mean import RangeMean, table
 from robots.estimation.tag_filter import RangeSighting
+from robots.graph_report import GraphReport
 from robots.se2 import Array, GaussianPose, Pose2
-from robots.types import GraphReport
 
 _FLOOR = np.eye(3) * 1e-6  # m2 and rad2: no displacement is known better than a millimetre
 _Meeting = tuple[str, int, float, tuple[float, float], Array, Pose2]

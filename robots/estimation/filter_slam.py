@@ -19,11 +19,12 @@ from robots.estimation.ranging import Ranging, seen_from_anchor
 from robots.estimation.smoothing import smooth_radio
 from robots.estimation.tag_filter import RangeSighting, TagFilter
 from robots.estimation.tracked import TrackedSlam
+from robots.graph_report import GraphReport
 from robots.se2 import GaussianPose, Pose2, compose_jacobians
 from robots.tags.map_memory import TagBelief
 from robots.tags.memory import TagMemoryError
 from robots.tags.sealed import open_memory
-from robots.types import GraphReport, ImuReading, Observation, TagSighting
+from robots.types import ImuReading, Observation, TagSighting
 
 _WRITE_EVERY_S = 5.0  # a tag within reach is written so often
 _JUMPED_M = 0.25  # what was planned before such a correction is planned anew

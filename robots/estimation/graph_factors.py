@@ -24,8 +24,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from robots.graph_report import IntArray
 from robots.se2 import Array
-from robots.types import IntArray
 
 BoolArray = NDArray[np.bool_]
 

@@ -12,8 +12,8 @@ from math import exp, log
 import numpy as np
 from numba import njit
 
+from robots.graph_report import IntArray
 from robots.se2 import Array
-from robots.types import IntArray
 
 _LASTING_S = np.array([0.0, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 20.0, 30.0])  # that are tried
 _CLIPPED_SD = 3.0  # an outlier tells nothing of how long others last

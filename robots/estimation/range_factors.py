@@ -19,8 +19,8 @@ import numpy as np
 from numba import njit
 
 from robots.estimation.graph_factors import Equations
+from robots.graph_report import IntArray
 from robots.se2 import Array
-from robots.types import IntArray
 
 _NEAREST_M = 1e-6  # nearer than this a direction means nothing
 _TAIL = 4.0  # degrees of freedom of Student's t: about what real ranges scatter like

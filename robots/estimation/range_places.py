@@ -8,8 +8,8 @@ import numpy as np
 from numba import njit
 
 from robots.estimation.range_factors import Ranges, weigh
+from robots.graph_report import IntArray
 from robots.se2 import Array
-from robots.types import IntArray
 
 _PAIRS = 24  # of circles that are cut with one another
 _STEPS = 10

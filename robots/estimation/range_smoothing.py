@@ -30,8 +30,8 @@ from robots.estimation.range_errors import error_lasts_s, shares
 from robots.estimation.range_factors import Ranges, add_ranges, expected_ranges
 from robots.estimation.range_places import other_places
 from robots.estimation.range_views import RangeViews, tangents
+from robots.graph_report import IntArray
 from robots.se2 import Array, wrap_array
-from robots.types import IntArray
 
 _SCALE_SD, _OFFSET_SD_M, _MOUNT_SD_RAD = 0.1, 0.2, 0.02  # of radios and cameras nobody calibrated
 _ROUNDS, _STEPS = 4, 15  # deviations and shares are set anew each round

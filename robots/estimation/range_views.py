@@ -13,8 +13,8 @@ import numpy as np
 
 from robots.estimation.graph_problem import GraphProblem
 from robots.estimation.range_factors import Ranges, expected_ranges
+from robots.graph_report import GraphReport, IntArray
 from robots.se2 import Array
-from robots.types import GraphReport, IntArray
 
 _ANYWHERE_M = 100.0  # deviation along the circle
 _LEAST_SD_M = 1e-4

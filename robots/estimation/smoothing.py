@@ -19,8 +19,8 @@ from robots.estimation.loop_closing import Loop, LoopCloser
 from robots.estimation.range_smoothing import smooth_ranges
 from robots.estimation.range_views import as_sightings, views_of
 from robots.estimation.tag_graph import graph_problem, solve_report
+from robots.graph_report import GraphReport
 from robots.se2 import GaussianPose, Pose2
-from robots.types import GraphReport
 
 _NEAR_M = 2.5  # vertices so near to each other see much the same
 _NEIGHBOURS = 6  # of each vertex: more say the same again

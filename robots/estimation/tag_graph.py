@@ -14,8 +14,8 @@ from robots.estimation.graph import GraphProblem, GraphSolution, solve
 from robots.estimation.range_mean import RangeMean, table
 from robots.estimation.range_views import as_sightings
 from robots.estimation.tag_filter import RangeSighting
+from robots.graph_report import GraphReport
 from robots.se2 import Array, GaussianPose, Pose2
-from robots.types import GraphReport
 
 _FLOOR = 1e-6  # m2 and rad2: no displacement is known better than a millimetre
 _START_SD = 1e-3

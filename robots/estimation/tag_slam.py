@@ -18,9 +18,10 @@ from robots.estimation.ranging import Ranging, seen_from_anchor
 from robots.estimation.smoothing import smooth
 from robots.estimation.tag_graph import TagGraph
 from robots.estimation.tracked import TrackedSlam
+from robots.graph_report import GraphReport
 from robots.se2 import Array, GaussianPose, Pose2
 from robots.tags.map_memory import TagBelief
-from robots.types import GraphReport, ImuReading, LaserScan, Observation
+from robots.types import ImuReading, LaserScan, Observation
 
 
 class TagSlam(TrackedSlam):

@@ -14,6 +14,7 @@ from robots.estimation.graph_problem import GraphError, assemble
 from robots.estimation.range_smoothing import smooth_ranges
 from robots.estimation.range_views import as_sightings
 from robots.estimation.tag_trust import Judgement, judge
+from robots.graph_report import GraphReport
 from robots.se2 import Array, Pose2, wrap
 from robots.team.frames import common_north, join_frames
 from robots.team.history import History
@@ -22,7 +23,7 @@ from robots.team.meetings import meetings_of
 from robots.team.notices import tag_notices, way_notices
 from robots.team.problem import JointProblem, joint_problem, moved
 from robots.team.types import StartPose, TeamNotice, TeamTag
-from robots.types import GraphReport, SubmapReport
+from robots.types import SubmapReport
 
 _COMPASS_CHI2 = 10.8  # a compass that agrees with the others is off by more once in a thousand
 _COMPASS_RAD = 0.15  # by which a compass may seem off before anything is solved

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from robots.graph_report import GraphReport
 from robots.se2 import Array
 from robots.team.history import History, Whereabouts
-from robots.types import GraphReport
 
 # Sightings of a robot by another nearer in time than this are one, since they share their errors. A batch
 # solve of ranges finds out for how long they do.

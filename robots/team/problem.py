@@ -15,13 +15,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from robots.estimation.graph import GraphProblem
 from robots.estimation.range_views import RangeViews, as_sightings
+from robots.graph_report import GraphReport, IntArray
 from robots.se2 import Array, Pose2
 from robots.team.frames import BIAS_SD_RAD
 from robots.team.laser_loops import TeamLoop
 from robots.team.meetings import Meeting
 from robots.team.ranges import joint_views
 from robots.team.types import StartPose
-from robots.types import GraphReport, IntArray
 
 _HEADING_SD_RAD = 0.035  # of a compass, for minutes at a time
 _HELD_SD = 1e-3  # what holds the world in place where nobody surveyed it

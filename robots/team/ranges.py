@@ -9,9 +9,9 @@ from math import atan2, hypot, sqrt
 import numpy as np
 
 from robots.estimation.range_views import RangeViews, views_of
+from robots.graph_report import GraphReport
 from robots.se2 import wrap
 from robots.team.meetings import Meeting
-from robots.types import GraphReport
 
 _LEAST_M = 1e-3
 

@@ -13,6 +13,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from robots.graph_report import GraphReport
 from robots.mapping.fused import FusedGrid
 from robots.mapping.submap import unpack
 from robots.se2 import Pose2
@@ -21,7 +22,7 @@ from robots.team.joint import JointSolution, Method, solve_together
 from robots.team.laser_loops import LaserLoops
 from robots.team.types import StartPose, TeamGrid, TeamRobot, TeamUpdate, TeamVictim
 from robots.team.victims import in_world, merge_victims
-from robots.types import AgentUpdate, FloatArray32, GraphReport, SubmapReport, VictimEstimate
+from robots.types import AgentUpdate, FloatArray32, SubmapReport, VictimEstimate
 
 _TRAIL_M = 0.25
 _FREE, _BOUND = -4, 60  # log-odds in tenths

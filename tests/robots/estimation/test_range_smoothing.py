@@ -15,8 +15,8 @@ from robots.estimation.range_smoothing import RangeSolution, smooth_ranges
 from robots.estimation.range_views import as_sightings, views_of
 from robots.estimation.smoothing import smooth_radio
 from robots.estimation.tag_graph import graph_problem
+from robots.graph_report import GraphReport
 from robots.se2 import Pose2, wrap
-from robots.types import GraphReport
 
 SCALE, OFFSETS, SD_M, BEARING_SD = 1.07, np.array([0.10, -0.05, 0.0, 0.06]), 0.08, 0.02
 TAGS = np.array([[-2.0, 3.0], [7.0, 7.5], [12.0, -3.0], [4.0, -4.0]])

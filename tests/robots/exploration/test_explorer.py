@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from robots.config import AgentConfig
+from robots.config import AgentConfig, PlanningConfig
 from robots.exploration.explorer import Explorer
 from robots.mapping.fused import FusedGrid
 from robots.se2 import Pose2
 
-CONFIG = AgentConfig()
+CONFIG = AgentConfig(planning=PlanningConfig(explore="nearest"))
 FREE, WALL = -20, 40
 
 

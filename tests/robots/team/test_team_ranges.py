@@ -6,11 +6,11 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from robots.graph_report import GraphReport
 from robots.se2 import Pose2
 from robots.team.history import History
 from robots.team.joint import JointSolution, solve_together
 from robots.team.laser_loops import LaserLoops
-from robots.types import GraphReport
 
 NODES = {"n1": (2.0, 4.0), "n2": (8.0, 5.0), "n3": (11.0, -2.0), "n4": (4.0, -3.0)}
 STEP_SD = np.array([0.02, 0.005, 0.01])
