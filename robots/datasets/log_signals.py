@@ -16,9 +16,10 @@ from robots.datasets import mission_log
 from robots.datasets.recording import RecordingError
 from robots.estimation.radio import RadioModel
 from robots.estimation.radio_fit import Collector, Signals
+from robots.graph_report import GraphReport
 from robots.overrides import override
 from robots.se2 import Pose2
-from robots.types import GraphReport, Observation
+from robots.types import Observation
 
 Heard = tuple[int, Pose2, str, float]  # anchor, antenna from there, tag, dBm
 

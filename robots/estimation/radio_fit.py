@@ -12,8 +12,8 @@ from math import floor, sqrt
 
 import numpy as np
 
+from robots.graph_report import IntArray
 from robots.se2 import Array
-from robots.types import IntArray
 
 _HUBER = 1.345  # 95 % efficient where the errors are normal
 _OUTLIER_SD = 4.0
