@@ -37,9 +37,7 @@ def test_the_nearest_is_taken_however_wide_the_others_are():
 def test_a_little_more_way_is_worth_much_more_to_see():
     assert best(InformationGain(), view()) is NEAR
     assert best(InformationGain(), view(known_to_x_m=8.0)) is FAR
-    assert (
-        InformationGain().reason(view(known_to_x_m=30.0), 1) == "an edge of the unknown that opens about 0 m2"
-    )
+    assert InformationGain().reason(view(known_to_x_m=30.0), 1) == "see about 0 m² of new ground"
     assert InformationGain().reason(view(), 1) == "see about 36 m² of new ground"
 
 
