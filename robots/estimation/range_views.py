@@ -28,7 +28,7 @@ class RangeViews:
     ``links``: the graph's links (edges, then sightings) that stand for them; ``radios``: which of k
     instruments; ``series``: rows of one number are of one instrument and one thing seen; ``arms`` (q, 3) the
     antenna in the frame of the pose; ``range_sds_m`` at the range measured; ``scales`` (k,) and ``offsets_m``
-    (m,) of each tag: what is believed to begin with.
+    (m,) of each tag: what is believed to begin with; their deviations are those about 1 and 0.
     """
 
     links: IntArray
@@ -41,7 +41,9 @@ class RangeViews:
     bearings_rad: Array
     bearing_sds_rad: Array
     scales: Array
+    scale_sds: Array
     offsets_m: Array
+    offset_sds_m: Array
 
     def sds_at(self, expected_m: Array) -> Array:
         """Return the deviations (q,) of ranges that ought to have been ``expected_m`` (q,).
@@ -75,7 +77,9 @@ def views_of(report: GraphReport, links_from: int) -> RangeViews:
         bearings_rad=report.bearings_rad,
         bearing_sds_rad=report.bearing_sds_rad,
         scales=np.array([report.range_scale]),
+        scale_sds=np.array([report.range_scale_sd]),
         offsets_m=offsets if len(offsets) == len(report.tag_ids) else np.zeros(len(report.tag_ids)),
+        offset_sds_m=np.full(len(report.tag_ids), report.range_offset_sd_m),
     )
 
 
