@@ -62,6 +62,18 @@ MemoryOption = Annotated[
 ]
 
 
+TagBitsOption = Annotated[
+    int | None,
+    typer.Option(
+        metavar="N", help="Capacity of a tag; that of its kind by default.", rich_help_panel=TAGS_PANEL
+    ),
+]
+ExploreOption = Annotated[
+    str,
+    typer.Option(metavar="NAME", help="How robots choose where to go: nearest, information-gain or waymark."),
+]
+
+
 def finite(name: str, value: float, above: float | None = None, at_least: float | None = None) -> float:
     """Return the value of an option if it is a number in range.
 
