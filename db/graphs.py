@@ -11,8 +11,8 @@ from sqlalchemy import Connection, Table, delete, insert, select
 
 from db.engine import Database
 from db.tables import graph_edges, graph_vertices
+from robots.graph_report import GraphReport
 from robots.se2 import Array
-from robots.types import GraphReport
 
 
 class GraphStore:

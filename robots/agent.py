@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from math import isfinite
 from zlib import crc32
 
@@ -88,6 +89,8 @@ class RobotAgent:
                 self._maps.draw(slam.anchors)
             self._decision = self._decide(observation, slam)
             drop = self._drop(observation, slam)
+        for sighting in passage.read:
+            self._hear(sighting)
         writes = tuple(self._writes(sighting, slam) for sighting in passage.read)
         command = Command(
             self._decision.linear_mps,
@@ -194,6 +197,7 @@ class RobotAgent:
             observation.scan,
             observation.bumper,
             observation.held,
+            partial(_place, slam),
         )
 
     def _drop(self, observation: Observation, slam: Slam) -> bool:
@@ -201,6 +205,17 @@ class RobotAgent:
         if observation.held:
             return False
         return self._dropper.should_drop(slam.distance_m, slam.pose, self._maps.fused, slam.tag_places())
+
+    def _hear(self, sighting: TagSighting) -> None:
+        """Believe what a tag of the mission says of the ground round it; its frame needs a compass."""
+        if self._last is None or self._last.imu is None:
+            return
+        try:
+            says = open_memory(sighting.memory, sighting.tag_id, self.config.tag_memory.key_bytes)
+        except TagMemoryError:
+            return
+        if says.trusted:
+            self._explorer.claims.hear(sighting.tag_id, says.memory)
 
     def _writes(self, sighting: TagSighting, slam: Slam) -> TagWrite | None:
         """Leave in the tag what is known round it, and where the others are, merged with what it said."""
@@ -262,6 +277,13 @@ class RobotAgent:
             submaps=self._maps.take_reports(observation.stamp_s),
             doubts=slam.take_doubts(),
         )
+
+
+def _place(slam: Slam, tag_id: str) -> tuple[float, float] | None:
+    try:
+        return slam.tag_place(tag_id)
+    except KeyError:
+        return None
 
 
 def merge_commands(updates: Sequence[AgentUpdate]) -> Command:

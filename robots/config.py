@@ -255,7 +255,7 @@ class PlanningConfig:
     clearance_m: float = 0.05
     comfort_m: float = 0.45
     replan_every_s: float = 1.0
-    explore: str = "nearest"
+    explore: str = "waymark"
     min_frontier_m: float = 0.5
     stuck_after_s: float = 6.0
 

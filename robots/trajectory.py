@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from robots.graph_report import GraphReport
 from robots.se2 import Array, Pose2, wrap_array
-from robots.types import GraphReport
 
 _TURNING_M_PER_RAD = 0.2  # a turn on the spot counts as so much travel when a correction is spread
 

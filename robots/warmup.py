@@ -17,6 +17,7 @@ from robots.estimation.ekf import EkfFilter
 from robots.estimation.graph import solve
 from robots.estimation.rslam.range_slam import RangeSlam
 from robots.estimation.scan_points import scan_points
+from robots.estimation.smoothing import smooth_radio
 from robots.estimation.tag_filter import RangeSighting
 from robots.estimation.tag_graph import TagGraph, graph_problem
 from robots.se2 import GaussianPose, Pose2
@@ -57,6 +58,7 @@ def warm_up() -> None:
     _warm_up_loops(scan)
     _warm_up_ranges()
     _warm_up_radio_tags()
+    _warm_up_batch()
 
 
 def _warm_up_ranges() -> None:
@@ -80,6 +82,18 @@ def _warm_up_radio_tags() -> None:
         ekf.see(RangeSighting("warm", float(k), 2.0, 0.1, 0.1, 0.1))
         ekf.see(RangeSighting("warm-too", float(k), 2.0, 0.1))
     ekf.own_map()
+
+
+def _warm_up_batch() -> None:
+    """Solve a small graph of ranges, one of its tags without bearings."""
+    graph = TagGraph(AgentConfig(), Pose2(), 0.0, None)
+    here = GaussianPose(Pose2(), np.eye(3) * 1e-4)
+    for turn in range(6):
+        graph.add_pose(GaussianPose(Pose2(1.0, 0.0, 0.9), np.eye(3) * 1e-4), float(turn), None)
+        x, y = graph.poses[-1].inverse().transform_point(2.0, 3.0)
+        graph.add_range(RangeSighting("warm", float(turn), float(np.hypot(x, y)), 0.1), here)
+        graph.add_range(RangeSighting("warm-too", float(turn), 1.0, 0.1, 0.1, 0.1), here)
+    smooth_radio(graph.report(), AgentConfig())
 
 
 def _warm_up_loops(scan: LaserScan) -> None:

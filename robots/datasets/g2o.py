@@ -16,8 +16,8 @@ import numpy as np
 from robots.estimation.graph_factors import link_chi2
 from robots.estimation.graph_problem import GraphError, GraphProblem, pieces
 from robots.estimation.graph_tree import spread_along_tree
+from robots.graph_report import IntArray
 from robots.se2 import Array
-from robots.types import IntArray
 
 _NAMED = 5  # so many ids are named in a note
 _NUMBERS = {"VERTEX_SE2": 4, "EDGE_SE2": 11, "FIX": 1}  # after the word; FIX may name more

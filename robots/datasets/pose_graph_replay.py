@@ -18,9 +18,9 @@ import numpy as np
 from robots.datasets.g2o import PoseGraph
 from robots.estimation.graph import GraphSolution, solve
 from robots.estimation.graph_incremental import IncrementalGraph
+from robots.graph_report import IntArray
 from robots.se2 import Array, Pose2, wrap_array
 from robots.trajectory import Trajectory
-from robots.types import IntArray
 
 _HELD_SD = 1e-4  # m and rad: what holds a piece where it began
 _TOLERANCE = 1e-6  # of chi2

@@ -12,11 +12,13 @@ import numpy as np
 from robots.agent import ObservationError, RobotAgent
 from robots.config import AgentConfig
 from robots.datasets.recording import Recording
+from robots.estimation.range_views import as_sightings
+from robots.graph_report import GraphReport
 from robots.overrides import override
 from robots.se2 import Array
 from robots.team import TeamMap, TeamRobot, TeamUpdate
 from robots.trajectory import Trajectory, TrajectoryStep, edges_of, final_trajectory
-from robots.types import AgentUpdate, GraphReport, Observation
+from robots.types import AgentUpdate, Observation
 
 _ROOM_BYTES = 12_000  # of a tag in a recording, with --memory: as much as an active node has
 
@@ -68,14 +70,18 @@ def replay(
         ObservationError: an agent cannot take a single observation.
         RecordingError: the recording turns out to be damaged.
     """
-    team: TeamMap | None = None
+    chosen = recording.robots if robots is None else robots
+    if not chosen:
+        raise ValueError("there is no robot to replay")
     days = []
     tags = TagMemories(memory)
     if memory:
         changes = {"tag_memory": {"room_bytes": _ROOM_BYTES}, **(changes or {}), "map_memory": True}
-    for robot_id in recording.robots if robots is None else robots:
-        config = override(override(AgentConfig(), recording.settings_of(robot_id)), changes or {})
-        team = team or TeamMap(config.mapping.resolution_m)
+    configs = [
+        override(override(AgentConfig(), recording.settings_of(name)), changes or {}) for name in chosen
+    ]
+    team = TeamMap(configs[0].mapping.resolution_m)
+    for robot_id, config in zip(chosen, configs, strict=True):
         team.add_robot(robot_id, recording.start_pose(robot_id))
         observations = (
             tags.read(o if robot_sightings else replace(o, robot_sightings=()))
@@ -84,14 +90,14 @@ def replay(
 
         def keep(robot_id: str, update: AgentUpdate) -> None:
             tags.write(update)
+            # where it was and when: others may have seen it there
+            team.put(robot_id, replace(update, graph=None, submaps=(), victims=()))
             on_update(robot_id, update)
 
         stamps_s = recording.stamps_s(robot_id)
         day = _Day(robot_id, zip(stamps_s, observations, strict=True), config, on_step, keep)
         team.put(robot_id, _without_loops(day.last) if config.slam == "odometry" else day.last)
         days.append(day)
-    if team is None:
-        raise ValueError("there is no robot to replay")
     solved = team.solve()
     by_id = {robot.robot_id: robot for robot in solved.robots}
     return ReplayResult(tuple(day.result(by_id[day.robot_id]) for day in days), solved)
@@ -175,9 +181,9 @@ class _Day:
 
 def _without_loops(update: AgentUpdate) -> AgentUpdate:
     """Return the update with a graph that only places each tag where it was first seen."""
-    graph = update.graph
-    if graph is None:
+    if update.graph is None:
         return update
+    graph = as_sightings(update.graph)
     _, first = np.unique(graph.sighting_pairs[:, 1], return_index=True)
     return replace(
         update,

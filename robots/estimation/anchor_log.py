@@ -3,45 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from math import sqrt
 
 import numpy as np
 
+from robots.estimation.range_mean import RangeMean, table
 from robots.estimation.tag_filter import RangeSighting
-from robots.se2 import Array, GaussianPose, Pose2, wrap
-from robots.types import GraphReport
+from robots.graph_report import GraphReport
+from robots.se2 import Array, GaussianPose, Pose2
 
 _FLOOR = np.eye(3) * 1e-6  # m2 and rad2: no displacement is known better than a millimetre
-_Meeting = tuple[str, int, float, tuple[float, float], Array]
-
-
-class _Ranges:
-    """The sightings of one tag from about one place: they share their errors, so their mean counts as one."""
-
-    def __init__(self) -> None:
-        self.count = 0
-        self.pose = np.zeros(3)  # of the antenna in the anchor's frame
-        self.range_m = self.variance = 0.0
-        self.bearing: float | None = None
-        self.bearing_sd: float | None = None
-
-    def add(self, sighting: RangeSighting, anchor_from_base: Pose2) -> None:
-        antenna = (anchor_from_base @ sighting.base_from_antenna).as_array()
-        self.count += 1
-        share = 1.0 / self.count
-        turn = wrap(antenna[2] - self.pose[2]) if self.count > 1 else antenna[2]
-        self.pose += np.array([*(antenna[:2] - self.pose[:2]), turn]) * share
-        self.range_m += (sighting.range_m - self.range_m) * share
-        self.variance += (sighting.range_sd_m**2 - self.variance) * share
-        if sighting.bearing_rad is not None:
-            self.bearing_sd = sighting.bearing_sd_rad
-            before = sighting.bearing_rad if self.bearing is None else self.bearing
-            self.bearing = before + wrap(sighting.bearing_rad - before) * share
-
-    def row(self) -> tuple[float, ...]:
-        bearing = np.nan if self.bearing is None else wrap(self.bearing)
-        bearing_sd = np.nan if self.bearing_sd is None else self.bearing_sd
-        return (*self.pose, self.range_m, sqrt(self.variance), bearing, bearing_sd)
+_Meeting = tuple[str, int, float, tuple[float, float], Array, Pose2]
 
 
 class AnchorLog:
@@ -51,7 +22,7 @@ class AnchorLog:
         self._stamps = [stamp_s]
         self._yaws = [np.nan if yaw_rad is None else yaw_rad]
         self._edges: list[GaussianPose] = []
-        self._ranges: dict[tuple[int, str], _Ranges] = {}
+        self._ranges: dict[tuple[int, str], RangeMean] = {}
         self._passed: dict[tuple[int, str], tuple[tuple[float, float], Array]] = {}  # under the antenna
         self._meetings: list[_Meeting] = []
 
@@ -66,9 +37,9 @@ class AnchorLog:
         self._stamps.append(stamp_s)
         self._yaws.append(np.nan if yaw_rad is None else yaw_rad)
 
-    def add_range(self, sighting: RangeSighting, anchor_from_base: Pose2) -> None:
+    def add_range(self, sighting: RangeSighting, anchor_from_base: GaussianPose) -> None:
         """Note a tag heard from a pose since the newest anchor."""
-        self._ranges.setdefault((self.newest, sighting.tag_id), _Ranges()).add(sighting, anchor_from_base)
+        self._ranges.setdefault((self.newest, sighting.tag_id), RangeMean()).add(sighting, anchor_from_base)
 
     def add_passed(self, tag_id: str, place_m: tuple[float, float], spread: Array) -> bool:
         """Note a tag under the antenna, in the newest anchor's frame; say whether that is news."""
@@ -76,9 +47,11 @@ class AnchorLog:
         self._passed.setdefault((self.newest, tag_id), (place_m, spread))
         return news
 
-    def add_meeting(self, robot_id: str, stamp_s: float, place_m: tuple[float, float], spread: Array) -> None:
-        """Note another robot at a place in the newest anchor's frame."""
-        self._meetings.append((robot_id, self.newest, stamp_s, place_m, spread))
+    def add_meeting(
+        self, robot_id: str, stamp_s: float, place_m: tuple[float, float], spread: Array, base: Pose2
+    ) -> None:
+        """Note another robot at a place in the newest anchor's frame, seen from ``base`` in it."""
+        self._meetings.append((robot_id, self.newest, stamp_s, place_m, spread, base))
 
     def passed_places(self, anchors: Sequence[Pose2]) -> dict[str, tuple[float, float]]:
         """Return where tags are that lay under the antenna, each where it was passed first."""
@@ -99,8 +72,7 @@ class AnchorLog:
         Ranges of tags that ``tags`` does not place are left out.
         """
         index = {tag_id: number for number, tag_id in enumerate(tags)}
-        heard = [(key, ranges.row()) for key, ranges in self._ranges.items() if key[1] in index]
-        rows = np.array([row for _, row in heard], np.float64).reshape(-1, 7)
+        heard = {(a, index[t]): mean for (a, t), mean in self._ranges.items() if t in index}
         passed = [(key, seen) for key, seen in self._passed.items() if key[1] in index]
         count = len(self._edges)
         return GraphReport(
@@ -115,17 +87,13 @@ class AnchorLog:
             sighting_pairs=np.array([(a, index[t]) for (a, t), _ in passed], np.int64).reshape(-1, 2),
             sighting_offsets=np.array([place for _, (place, _) in passed]).reshape(-1, 2),
             sighting_covariances=np.array([spread for _, (_, spread) in passed]).reshape(-1, 2, 2),
-            meeting_robots=tuple(robot_id for robot_id, _, _, _, _ in self._meetings),
-            meeting_poses=np.array([vertex for _, vertex, _, _, _ in self._meetings], np.int64),
-            meeting_stamps_s=np.array([stamp for _, _, stamp, _, _ in self._meetings]),
-            meeting_offsets=np.array([place for _, _, _, place, _ in self._meetings]).reshape(-1, 2),
-            meeting_covariances=np.array([spread for _, _, _, _, spread in self._meetings]).reshape(-1, 2, 2),
-            range_pairs=np.array([(a, index[t]) for (a, t), _ in heard], np.int64).reshape(-1, 2),
-            range_poses=rows[:, :3].copy(),
-            ranges_m=rows[:, 3].copy(),
-            range_sds_m=rows[:, 4].copy(),
-            bearings_rad=rows[:, 5].copy(),
-            bearing_sds_rad=rows[:, 6].copy(),
+            meeting_robots=tuple(met[0] for met in self._meetings),
+            meeting_poses=np.array([met[1] for met in self._meetings], np.int64),
+            meeting_stamps_s=np.array([met[2] for met in self._meetings]),
+            meeting_offsets=np.array([met[3] for met in self._meetings]).reshape(-1, 2),
+            meeting_covariances=np.array([met[4] for met in self._meetings]).reshape(-1, 2, 2),
+            meeting_bases=np.array([met[5].as_array() for met in self._meetings]).reshape(-1, 3),
+            **table(heard),
             range_scale=range_scale,
             range_offsets_m=np.array([range_offsets_m.get(tag_id, 0.0) for tag_id in tags]),
         )

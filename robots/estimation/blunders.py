@@ -17,8 +17,8 @@ import numpy as np
 
 from robots.estimation.graph import GraphProblem, GraphSolution
 from robots.estimation.graph_factors import link_chi2
+from robots.graph_report import IntArray
 from robots.se2 import Array, wrap_array
-from robots.types import IntArray
 
 _CHECKED = 1e-6  # share of a claim's information that others have to check, else it cannot be tested
 _WAYS = 40  # displacements of the largest errors are tested, no others

@@ -16,13 +16,15 @@ from robots.config import AgentConfig
 from robots.estimation.anchor_log import AnchorLog
 from robots.estimation.passage import Passage
 from robots.estimation.ranging import Ranging, seen_from_anchor
+from robots.estimation.smoothing import smooth_radio
 from robots.estimation.tag_filter import RangeSighting, TagFilter
 from robots.estimation.tracked import TrackedSlam
+from robots.graph_report import GraphReport
 from robots.se2 import GaussianPose, Pose2, compose_jacobians
 from robots.tags.map_memory import TagBelief
 from robots.tags.memory import TagMemoryError
 from robots.tags.sealed import open_memory
-from robots.types import GraphReport, ImuReading, Observation, TagSighting
+from robots.types import ImuReading, Observation, TagSighting
 
 _WRITE_EVERY_S = 5.0  # a tag within reach is written so often
 _JUMPED_M = 0.25  # what was planned before such a correction is planned anew
@@ -98,6 +100,7 @@ class FilterSlam(TrackedSlam):
         under = [s for s in observation.tag_sightings if s.under_antenna]
         passed = [s for s in under if self._is_new_pass(s.tag_id)]
         met = observation.robot_sightings
+        self._sees_afar |= bool(afar or met)
         overdue = self._anchor_is_overdue
         if not (afar or under or met or overdue):
             return Passage()
@@ -126,11 +129,13 @@ class FilterSlam(TrackedSlam):
         """Return the graph as it leaves the process."""
         places = self._places()
         offsets = {tag_id: self._filter.range_offset(tag_id) for tag_id in places}
-        return self._log.report(self._anchors, places, self._filter.range_scale, offsets)
+        report = self._log.report(self._anchors, places, self._filter.range_scale, offsets)
+        radio = self._config.rslam
+        return replace(report, range_scale_sd=radio.scale_sd, range_offset_sd_m=radio.offset_sd_m)
 
     def smoothed(self) -> GraphReport:
         """Return the graph as a batch solve of all that was recorded has it; nothing changes here."""
-        return self.report()
+        return smooth_radio(self.report(), self._config)
 
     def _step(self) -> GaussianPose:
         """Return the displacement since the filter followed last.
@@ -194,14 +199,14 @@ class FilterSlam(TrackedSlam):
     def _note(self, observation: Observation, heard: list[RangeSighting], passed: list[TagSighting]) -> None:
         here = self._taken
         for ranged in heard:
-            self._log.add_range(ranged, here.mean)
+            self._log.add_range(ranged, here)
         antenna = self._config.antenna
         for sighting in passed:
             self._log.add_passed(sighting.tag_id, (antenna.ahead_m, 0.0), np.diag(antenna.variances))
             self._last_passed = (sighting.tag_id, self.distance_m)
         for robot in observation.robot_sightings:
             place = seen_from_anchor(robot, here, self._config)
-            self._log.add_meeting(robot.robot_id, observation.stamp_s, *place)
+            self._log.add_meeting(robot.robot_id, observation.stamp_s, *place, here.mean)
 
     def _may_write(self, sighting: TagSighting, stamp_s: float) -> bool:
         if stamp_s < self._written_s.get(sighting.tag_id, -np.inf) + _WRITE_EVERY_S:

@@ -36,8 +36,8 @@ from robots.estimation.graph_order import Order, order
 from robots.estimation.graph_problem import LOOSE, GraphError, GraphProblem, assemble
 from robots.estimation.graph_robust import believed, only
 from robots.estimation.graph_tree import along_tree
+from robots.graph_report import IntArray
 from robots.se2 import Array, wrap_array
-from robots.types import IntArray
 
 __all__ = ["GraphError", "GraphProblem", "GraphSolution", "Marginals", "solve"]
 

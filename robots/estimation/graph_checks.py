@@ -10,7 +10,7 @@ from numba import njit
 from robots.estimation.graph_factors import between_jacobian, link_chi2, link_error
 from robots.estimation.graph_fronts import joint_covariance
 from robots.estimation.graph_panels import Links, Panels, Vertices
-from robots.types import IntArray
+from robots.graph_report import IntArray
 
 SETTLED = 0.02  # a weight that changes by less stays, one that is less counts for nothing
 _BELIEVED = 0.5

@@ -11,8 +11,8 @@ import numpy as np
 from numba import njit
 
 from robots.estimation.graph_order import Order
+from robots.graph_report import IntArray
 from robots.se2 import Array
-from robots.types import IntArray
 
 _ANY_ORDER = {"reassoc", "contract"}  # sums may be taken in any order, so that they fit vector registers
 

@@ -13,7 +13,7 @@ import numpy as np
 from numba import njit
 
 from robots.estimation.graph_factors import BoolArray
-from robots.types import IntArray
+from robots.graph_report import IntArray
 
 _SLACK_ROWS = 3  # zeros a panel may carry for being wider: so many a column, or this share of its entries
 _SLACK_SHARE = 0.2

@@ -24,8 +24,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from robots.graph_report import IntArray
 from robots.se2 import Array
-from robots.types import IntArray
 
 BoolArray = NDArray[np.bool_]
 
@@ -132,10 +132,35 @@ def linearise(state: Array, factors: Factors, equations: Equations, kernel: Kern
 
     ``linear`` holds the headings as they are, as Kleiner does with his compass.
     """
+    clear(equations)
+    total: float = add_factors(state, factors, equations, kernel, linear)
+    hold_unmeasured(equations, linear)
+    return total
+
+
+@njit(cache=True)
+def clear(equations: Equations) -> None:
+    """Set all blocks to zero."""
+    equations.diagonal[:] = 0.0
+    equations.beside[:] = 0.0
+    equations.gradient[:] = 0.0
+
+
+@njit(cache=True)
+def hold_unmeasured(equations: Equations, linear: bool) -> None:
+    """Hold what has no equation: headings that are to stay, those that tags do not have, the unmeasured."""
+    diagonal, gradient = equations.diagonal, equations.gradient
+    for i in range(len(diagonal)):
+        for d in range(3):
+            if (linear and d == 2) or diagonal[i, d, d] == 0.0:
+                diagonal[i, d, d] = 1.0
+                gradient[i, d] = 0.0
+
+
+@njit(cache=True)
+def add_factors(state: Array, factors: Factors, equations: Equations, kernel: Kernel, linear: bool) -> float:
+    """Add all factors to the normal equations and return what they cost."""
     diagonal, beside, gradient = equations.diagonal, equations.beside, equations.gradient
-    diagonal[:] = 0.0
-    beside[:] = 0.0
-    gradient[:] = 0.0
     total, limit = 0.0, kernel.sd * kernel.sd
     for k in range(len(factors.pairs)):
         i, j = factors.pairs[k, 0], factors.pairs[k, 1]
@@ -208,11 +233,6 @@ def linearise(state: Array, factors: Factors, equations: Equations, kernel: Kern
             total += weight * error * error
             diagonal[i, d, d] += weight
             gradient[i, d] += weight * error
-    for i in range(len(state)):
-        for d in range(3):  # headings that are held, those that tags do not have, what nobody measured
-            if (linear and d == 2) or diagonal[i, d, d] == 0.0:
-                diagonal[i, d, d] = 1.0
-                gradient[i, d] = 0.0
     return total
 
 

@@ -10,8 +10,8 @@ from numba import njit
 from robots.estimation.graph_cholesky import eliminate_columns
 from robots.estimation.graph_factors import link_error
 from robots.estimation.graph_panels import PANELS, Anchors, Links, Panels, Vertices
+from robots.graph_report import IntArray
 from robots.se2 import Array
-from robots.types import IntArray
 
 _TINY = 1e-13  # of the diagonal: what is left of a pivot that cancels
 

@@ -24,8 +24,8 @@ from robots.estimation.graph_panels import (
     take_off,
 )
 from robots.estimation.graph_problem import LOOSE, GraphError
+from robots.graph_report import IntArray
 from robots.se2 import Array
-from robots.types import IntArray
 
 _FEW = 64
 _URGENT_SD = 1.0

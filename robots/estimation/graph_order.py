@@ -14,8 +14,8 @@ import numpy as np
 import qdldl
 from numba import njit
 
+from robots.graph_report import IntArray
 from robots.se2 import Array
-from robots.types import IntArray
 
 _SLACK_ROWS = 3  # zeros a panel may carry for being wider: so many a column, or this share of its entries
 _SLACK_SHARE = 0.2

@@ -16,8 +16,8 @@ from numba import njit
 
 from robots.estimation.graph_degree import Elimination, minimum_degree
 from robots.estimation.graph_factors import BoolArray
+from robots.graph_report import IntArray
 from robots.se2 import Array
-from robots.types import IntArray
 
 NAMES, NUMBERS, PANELS = range(3)  # places in ``Panels.counts``
 _LATE = 16  # so many new vertices are ordered last; more are a graph of their own

@@ -9,8 +9,8 @@ import numpy as np
 from numba import njit
 
 from robots.estimation.graph_factors import BoolArray, Factors
+from robots.graph_report import IntArray
 from robots.se2 import Array
-from robots.types import IntArray
 
 LOOSE = "the graph has a part that no measurement or prior holds in place"
 _SINGULAR = 1e-12  # of the products of its diagonal: a determinant below it is none

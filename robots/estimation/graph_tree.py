@@ -8,8 +8,8 @@ import numpy as np
 from numba import njit
 
 from robots.estimation.graph_factors import Factors
+from robots.graph_report import IntArray
 from robots.se2 import Array
-from robots.types import IntArray
 
 
 def along_tree(state: Array, factors: Factors) -> Array:

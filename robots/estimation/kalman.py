@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from robots.se2 import GaussianPose, Pose2, wrap
+from robots.se2 import Array, GaussianPose, Pose2, wrap
 
 
 def fuse(predicted: GaussianPose, matched: GaussianPose) -> GaussianPose:
@@ -24,3 +24,18 @@ def fuse(predicted: GaussianPose, matched: GaussianPose) -> GaussianPose:
     k[2] = l[2] + wrap(k[2] - l[2])
     mean = covariance @ (information_l @ l + information_k @ k)  # (3)
     return GaussianPose(Pose2.from_array(mean), (covariance + covariance.T) / 2.0)
+
+
+def at_least(covariance: Array, floor: Array) -> Array:
+    """Return the smallest covariance (n, n) that claims less than either in every direction.
+
+    In the axes in which both are diagonal the larger of the two counts.
+    """
+    lower = np.linalg.cholesky(covariance + 1e-12 * np.eye(len(covariance)))
+    inverse = np.linalg.inv(lower)
+    shares, axes = np.linalg.eigh(inverse @ floor @ inverse.T)
+    if shares[-1] <= 1.0:
+        return covariance
+    widened = lower @ axes
+    larger: Array = (widened * np.maximum(shares, 1.0)) @ widened.T
+    return (larger + larger.T) / 2.0

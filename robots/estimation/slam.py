@@ -12,9 +12,10 @@ from robots.estimation.passage import Passage
 from robots.estimation.rslam.range_slam import RangeSlam
 from robots.estimation.tag_filter import TagFilter
 from robots.estimation.tag_slam import TagSlam
+from robots.graph_report import GraphReport
 from robots.se2 import GaussianPose, Pose2
 from robots.tags.map_memory import TagBelief
-from robots.types import GraphReport, ImuReading, LaserScan, Observation
+from robots.types import ImuReading, LaserScan, Observation
 
 FILTERS: dict[str, Callable[[str, AgentConfig, Pose2], TagFilter]] = {  # robot, configuration, start
     "rslam": RangeSlam,

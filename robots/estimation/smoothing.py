@@ -16,9 +16,11 @@ from scipy.spatial import cKDTree
 from robots.config import AgentConfig
 from robots.estimation.graph import GraphSolution
 from robots.estimation.loop_closing import Loop, LoopCloser
-from robots.estimation.tag_graph import solve_report
+from robots.estimation.range_smoothing import smooth_ranges
+from robots.estimation.range_views import as_sightings, views_of
+from robots.estimation.tag_graph import graph_problem, solve_report
+from robots.graph_report import GraphReport
 from robots.se2 import GaussianPose, Pose2
-from robots.types import GraphReport
 
 _NEAR_M = 2.5  # vertices so near to each other see much the same
 _NEIGHBOURS = 6  # of each vertex: more say the same again
@@ -39,7 +41,27 @@ def smooth(report: GraphReport, loops: LoopCloser, config: AgentConfig) -> Graph
     if config.loops.laser:
         report = _with_loops(report, list(_loops_everywhere(report, solution, loops)))
         solution = solve_report(report, config.graph)
-    return replace(report, poses=solution.poses, tags=solution.tags)
+    return smooth_radio(replace(report, poses=solution.poses, tags=solution.tags), config)
+
+
+def smooth_radio(report: GraphReport, config: AgentConfig) -> GraphReport:
+    """Return the graph of a filter over radio tags as a batch solve of its ranges has it.
+
+    Raises:
+        GraphError: it cannot be solved; the message says why.
+    """
+    if not len(report.range_pairs) or config.poses != "slam":
+        return report
+    links_from = len(report.edge_pairs) + len(report.loop_pairs) + len(report.sighting_pairs)
+    graph = graph_problem(as_sightings(report))
+    solution = smooth_ranges(graph, views_of(report, links_from), config.graph.tag_kernel_sd)
+    return replace(
+        report,
+        poses=solution.graph.poses,
+        tags=solution.graph.tags,
+        range_scale=float(solution.scales[0]),
+        range_offsets_m=solution.offsets_m,
+    )
 
 
 def _loops_everywhere(report: GraphReport, solution: GraphSolution, loops: LoopCloser) -> Iterator[Loop]:

@@ -5,12 +5,17 @@ Anchors it has passed, tags it has read, and the measurements between them.
 
 from __future__ import annotations
 
+from math import cos, sin
+
 import numpy as np
 
 from robots.config import AgentConfig, GraphConfig
 from robots.estimation.graph import GraphProblem, GraphSolution, solve
+from robots.estimation.range_mean import RangeMean, table
+from robots.estimation.range_views import as_sightings
+from robots.estimation.tag_filter import RangeSighting
+from robots.graph_report import GraphReport
 from robots.se2 import Array, GaussianPose, Pose2
-from robots.types import GraphReport
 
 _FLOOR = 1e-6  # m2 and rad2: no displacement is known better than a millimetre
 _START_SD = 1e-3
@@ -31,7 +36,8 @@ class TagGraph:
         self._edges: list[tuple[int, int, GaussianPose]] = []
         self._sightings: dict[tuple[int, int], tuple[int, Array, Array]] = {}  # how many, mean place, spread
         self._loops: list[tuple[int, int, GaussianPose]] = []
-        self._meetings: list[tuple[str, int, float, tuple[float, float], Array]] = []
+        self._ranges: dict[tuple[int, int], RangeMean] = {}
+        self._meetings: list[tuple[str, int, float, tuple[float, float], Array, Pose2]] = []
         self.tags: dict[str, tuple[int, tuple[float, float]]] = {}  # id -> index, place in the map frame
         self.last_covariance: Array = np.eye(3) * _START_SD**2  # of the newest pose, in the map frame
 
@@ -73,13 +79,29 @@ class TagGraph:
         self._sightings[pair] = (count + 1, mean, spread)
         return news
 
+    def add_range(self, sighting: RangeSighting, base: GaussianPose) -> bool:
+        """Note a tag seen by range and bearing from ``base`` in the newest pose's frame; say as above."""
+        antenna = base.mean @ sighting.base_from_antenna
+        bearing = sighting.bearing_rad or 0.0
+        ahead = sighting.range_m * cos(bearing), sighting.range_m * sin(bearing)
+        new = sighting.tag_id not in self.tags
+        if new:
+            place = (self.poses[-1] @ antenna).transform_point(*ahead)
+            self.tags[sighting.tag_id] = (len(self.tags), place)
+        pair = (self.newest, self.tags[sighting.tag_id][0])
+        news = not new and pair not in self._ranges
+        self._ranges.setdefault(pair, RangeMean()).add(sighting, base)
+        return news
+
     def add_loop(self, earlier: int, later: int, earlier_from_later: GaussianPose) -> None:
         """Note that the laser matched two poses."""
         self._loops.append((earlier, later, earlier_from_later))
 
-    def add_meeting(self, robot_id: str, stamp_s: float, place_m: tuple[float, float], spread: Array) -> None:
-        """Note another robot at a place in the newest pose's frame, covariance (2, 2)."""
-        self._meetings.append((robot_id, self.newest, stamp_s, place_m, spread))
+    def add_meeting(
+        self, robot_id: str, stamp_s: float, place_m: tuple[float, float], spread: Array, base: Pose2
+    ) -> None:
+        """Note another robot at a place in the newest pose's frame, covariance (2, 2), seen from ``base``."""
+        self._meetings.append((robot_id, self.newest, stamp_s, place_m, spread, base))
 
     def solve(self) -> None:
         """Move poses and tags to where they best explain all displacements (eq. 5)."""
@@ -117,11 +139,13 @@ class TagGraph:
             loop_pairs=np.array([(i, j) for i, j, _ in self._loops], np.int64).reshape(-1, 2),
             loop_poses=np.array([loop.mean.as_array() for _, _, loop in self._loops]).reshape(-1, 3),
             loop_covariances=np.array([loop.covariance for _, _, loop in self._loops]).reshape(-1, 3, 3),
-            meeting_robots=tuple(robot_id for robot_id, _, _, _, _ in self._meetings),
-            meeting_poses=np.array([vertex for _, vertex, _, _, _ in self._meetings], np.int64),
-            meeting_stamps_s=np.array([stamp for _, _, stamp, _, _ in self._meetings]),
-            meeting_offsets=np.array([place for _, _, _, place, _ in self._meetings]).reshape(-1, 2),
-            meeting_covariances=np.array([spread for _, _, _, _, spread in self._meetings]).reshape(-1, 2, 2),
+            meeting_robots=tuple(met[0] for met in self._meetings),
+            meeting_poses=np.array([met[1] for met in self._meetings], np.int64),
+            meeting_stamps_s=np.array([met[2] for met in self._meetings]),
+            meeting_offsets=np.array([met[3] for met in self._meetings]).reshape(-1, 2),
+            meeting_covariances=np.array([met[4] for met in self._meetings]).reshape(-1, 2, 2),
+            meeting_bases=np.array([met[5].as_array() for met in self._meetings]).reshape(-1, 3),
+            **table(self._ranges),
         )
 
 
@@ -131,7 +155,9 @@ def solve_report(report: GraphReport, config: GraphConfig) -> GraphSolution:
     Raises:
         GraphError: it cannot be solved; the message says why.
     """
-    return solve(graph_problem(report), config.method, config.max_iterations, config.tag_kernel_sd)
+    return solve(
+        graph_problem(as_sightings(report)), config.method, config.max_iterations, config.tag_kernel_sd
+    )
 
 
 def graph_problem(report: GraphReport) -> GraphProblem:

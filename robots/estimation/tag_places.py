@@ -7,8 +7,8 @@ from math import log
 
 import numpy as np
 
+from robots.graph_report import IntArray
 from robots.se2 import Array
-from robots.types import IntArray
 
 _APART = 1e-3  # a sighting that lies at a known place lies this far off by chance so often
 

@@ -7,18 +7,21 @@ laser closes the loop there precisely.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from robots.config import AgentConfig
 from robots.estimation.loop_closing import LoopCloser, Sighting
 from robots.estimation.passage import Passage
-from robots.estimation.ranging import seen_from_anchor
+from robots.estimation.ranging import Ranging, seen_from_anchor
 from robots.estimation.smoothing import smooth
 from robots.estimation.tag_graph import TagGraph
 from robots.estimation.tracked import TrackedSlam
+from robots.graph_report import GraphReport
 from robots.se2 import Array, GaussianPose, Pose2
 from robots.tags.map_memory import TagBelief
-from robots.types import GraphReport, ImuReading, LaserScan, Observation
+from robots.types import ImuReading, LaserScan, Observation
 
 
 class TagSlam(TrackedSlam):
@@ -30,6 +33,7 @@ class TagSlam(TrackedSlam):
     def __init__(self, config: AgentConfig, stamp_s: float, imu: ImuReading | None) -> None:
         super().__init__(config, imu)
         self._graph = TagGraph(config, self._start, stamp_s, None if imu is None else imu.yaw_rad)
+        self._ranging = Ranging(config)
         self._loops = LoopCloser(config.loops)
         self._loops.anchored(0, self._start, 0.0)
 
@@ -93,6 +97,7 @@ class TagSlam(TrackedSlam):
         # a range without a bearing says too little for a graph of places: those are for the filters
         seen = tuple(s for s in observation.tag_sightings if s.bearing_rad is not None)
         met = observation.robot_sightings
+        self._sees_afar |= bool(seen or met)
         anchored = bool(read) or self._anchor_is_overdue or (bool(seen or met) and self._has_moved())
         if anchored:
             self._add_anchor(observation)
@@ -100,13 +105,16 @@ class TagSlam(TrackedSlam):
         for sighting in read:
             known |= self._see(sighting.tag_id, (self._config.antenna.ahead_m, 0.0), self._antenna_spread)
             self._last_passed = (sighting.tag_id, self.distance_m)
+        here = self.anchor_from_base
         for sighting in seen:
-            known |= self._see(
-                sighting.tag_id, *seen_from_anchor(sighting, self.anchor_from_base, self._config)
-            )
+            ranged = self._ranging.range(sighting, observation.stamp_s, self.distance_m)
+            if ranged is not None:
+                known |= self._graph.add_range(ranged, here)
+                placed = seen_from_anchor(replace(sighting, range_m=ranged.range_m), here, self._config)
+                self._may_close_loop(sighting.tag_id, *placed)
         for robot in met:
-            place = seen_from_anchor(robot, self.anchor_from_base, self._config)
-            self._graph.add_meeting(robot.robot_id, observation.stamp_s, *place)
+            place = seen_from_anchor(robot, here, self._config)
+            self._graph.add_meeting(robot.robot_id, observation.stamp_s, *place, here.mean)
         closed = self._close_loop()
         solving = (known or closed) and self._config.poses == "slam" and self._config.slam == "tag-graph"
         if solving:
@@ -132,10 +140,13 @@ class TagSlam(TrackedSlam):
     def _see(self, tag_id: str, place_m: tuple[float, float], covariance: Array) -> bool:
         """Note a sighting, given in the newest anchor's frame; say whether it is news of a known tag."""
         news = self._graph.add_sighting(tag_id, place_m, covariance)
+        self._may_close_loop(tag_id, place_m, covariance)
+        return news
+
+    def _may_close_loop(self, tag_id: str, place_m: tuple[float, float], covariance: Array) -> None:
         if self._closes_loops:
             tag = self._graph.tags[tag_id][0]
             self._loops.sighted(Sighting(self.anchor, tag, place_m, covariance, self.distance_m))
-        return news
 
     def _close_loop(self) -> bool:
         if not self._closes_loops:

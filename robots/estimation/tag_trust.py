@@ -19,8 +19,8 @@ import numpy as np
 from robots.estimation.blunders import WayTests, tag_tests, way_tests
 from robots.estimation.graph import GraphProblem, GraphSolution, solve
 from robots.estimation.tag_places import TagSightings, contradiction, places_of
+from robots.graph_report import IntArray
 from robots.se2 import Array
-from robots.types import IntArray
 
 TagState = Literal["moved", "cloned", "wrong"]
 

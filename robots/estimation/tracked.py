@@ -9,6 +9,7 @@ from robots.estimation.tracking import PoseTracker
 from robots.se2 import GaussianPose, Pose2
 from robots.types import ImuReading, LaserScan, Observation
 
+_DENSE = 2.0  # anchors of a robot that sees from afar lie at most so many times apart
 _SAME_PASS_M = 0.4  # a tag under the antenna again within so much driving is the same pass
 
 
@@ -21,6 +22,7 @@ class TrackedSlam:
         self._tracker = PoseTracker(config, self._start.theta)
         self._last_passed: tuple[str, float] | None = None  # id, way driven when it was under the antenna
         self._anchor_driven_m = 0.0
+        self._sees_afar = False  # tags or robots, so far
 
     @property
     def distance_m(self) -> float:
@@ -54,11 +56,17 @@ class TrackedSlam:
         last = self._last_passed
         return last is None or last[0] != tag_id or self.distance_m - last[1] > _SAME_PASS_M
 
-    def _has_moved(self) -> bool:
+    def _has_moved(self, times: float = 1.0) -> bool:
+        """Say whether the robot is farther from its anchor than so many times what a sighting asks for."""
         here, ranging = self.anchor_from_base.mean, self._config.ranging
-        return hypot(here.x, here.y) > ranging.anchor_travel_m or abs(here.theta) > ranging.anchor_turn_rad
+        if abs(here.theta) > times * ranging.anchor_turn_rad:
+            return True
+        return hypot(here.x, here.y) > times * ranging.anchor_travel_m
 
     @property
     def _anchor_is_overdue(self) -> bool:
         driven_m = self.distance_m - self._anchor_driven_m
-        return driven_m > self._config.mapping.submap_travel_m or self._tracker.lost
+        if driven_m > self._config.mapping.submap_travel_m or self._tracker.lost:
+            return True
+        # a way that no scan holds straight bends where it is weakest: a batch solve has to be told where
+        return self._sees_afar and self._tracker.points is None and self._has_moved(_DENSE)

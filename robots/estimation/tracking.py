@@ -14,7 +14,7 @@ import numpy as np
 
 from robots.config import AgentConfig
 from robots.estimation.contradiction import share_seen_through
-from robots.estimation.kalman import fuse
+from robots.estimation.kalman import at_least, fuse
 from robots.estimation.local_map import LocalMap
 from robots.estimation.odometry import motion_covariance, motion_mean, predict
 from robots.estimation.scan_matching import match
@@ -25,6 +25,7 @@ from robots.types import ImuReading, LaserScan, Odometry
 _REFERENCE_M = 1.0  # the reference moves on after so much: about the stretch whose scans overlap fully
 _CONTRADICTION = 16.0  # squared Mahalanobis distance, 3 degrees of freedom: one honest match in a thousand
 _PATIENCE = 5  # scans, a second
+_DISAGREEMENT = 16.0  # of all matches since the reference together, 2 degrees of freedom: one in 3,000
 _SEEN_THROUGH, _LOST_SCANS, _KNOWN_SCANS = 0.5, 3, 5  # so many scans in a row, in a map of so many scans
 _LOST_SD_M, _LOST_SD_RAD = 10.0, 1.8  # anywhere near, facing anywhere
 _BLIND_REFERENCE_M = 3.0  # and after so much where no scan can be matched
@@ -44,8 +45,12 @@ class PoseTracker:
         self._anchor_from_reference = GaussianPose.exact()
         self._reference_from_base = GaussianPose.exact()
         self._matched_here = False  # a scan was matched since the reference was set
+        # What matching does not take back: the covariance since the reference with which scans went into the
+        # map, and a disagreement of matches and wheels that goes on, whichever of them is wrong.
+        self._lasting: Array = np.zeros((3, 3))
+        self._disagreement, self._expected = np.zeros(2), np.zeros((2, 2))
         # the last anchor_from_base and what it was made of: it is asked for several times a step
-        self._joined: tuple[tuple[GaussianPose, GaussianPose, bool], GaussianPose] | None = None
+        self._joined: tuple[tuple[GaussianPose, GaussianPose, Array, bool], GaussianPose] | None = None
         self._contradictions = 0  # matches in a row that were put aside
         self._foreign = 0  # scans in a row that look through the map's surfaces
         self._yaw_rad: float | None = None
@@ -56,7 +61,12 @@ class PoseTracker:
     @property
     def anchor_from_base(self) -> GaussianPose:
         """Pose since the last restart, with covariance."""
-        made_of = (self._anchor_from_reference, self._reference_from_base, self._matched_here)
+        made_of = (
+            self._anchor_from_reference,
+            self._reference_from_base,
+            self._lasting,
+            self._matched_here,
+        )
         if self._joined is None or any(a is not b for a, b in zip(self._joined[0], made_of, strict=True)):
             joined = self._anchor_from_reference @ self._with_map_error(self._reference_from_base)
             self._joined = made_of, joined
@@ -109,6 +119,7 @@ class PoseTracker:
         usable = points.far_fraction <= config.max_far_fraction and len(points.points) >= config.min_points
         if usable and not self._foreign and self._moved_since_insert():
             self._map.insert(self.local_from_base, points.points, points.normals)
+            self._lasting = at_least(self._reference_from_base.covariance, self._lasting)
             self._last_insert = self.local_from_base
         return self.matched
 
@@ -149,10 +160,25 @@ class PoseTracker:
         if self._contradictions >= _PATIENCE:
             loosened = GaussianPose(loosened.mean, loosened.covariance + np.diag([0.04, 0.04, 0.01]))
         self._contradictions = self._foreign = 0
+        self._note_disagreement(innovation[:2], (loosened.covariance + seen.covariance)[:2, :2])
         self._reference_from_base = fuse(loosened, seen)  # (3), (4)
         self._matched_here = True
         self._settle(_REFERENCE_M)
         return True
+
+    def _note_disagreement(self, innovation: Array, covariance: Array) -> None:
+        """Add up innovations, which are independent where both are honest.
+
+        In a corridor a scan may stick to what it saw last, or to a robot that drives ahead: each match is
+        within the wheels' error, and all of them together are not.
+        """
+        self._disagreement = self._disagreement + innovation
+        self._expected = self._expected + covariance
+        total = self._disagreement
+        if float(total @ np.linalg.solve(self._expected, total)) > _DISAGREEMENT:
+            spread = np.zeros((3, 3))
+            spread[:2, :2] = np.outer(total, total)
+            self._lasting = at_least(self._lasting, spread)
 
     def restart(self) -> GaussianPose:
         """Return the displacement since the last restart and begin anew here: the filter's reset at a tag."""
@@ -171,14 +197,16 @@ class PoseTracker:
         self._local_from_reference = self.local_from_base
         self._reference_from_base = GaussianPose.exact()
         self._matched_here = False
+        self._lasting = np.zeros((3, 3))
+        self._disagreement, self._expected = np.zeros(2), np.zeros((2, 2))
 
     def _with_map_error(self, pose: GaussianPose) -> GaussianPose:
-        """Add the local map's own error, which repeated matching against it cannot average away."""
+        """Add what repeated matching against the local map cannot average away."""
         if not self._matched_here:
             return pose
         config = self._config.scan_match
         error = np.diag([config.map_sd_m**2, config.map_sd_m**2, config.map_sd_rad**2])
-        return GaussianPose(pose.mean, pose.covariance + error)
+        return GaussianPose(pose.mean, at_least(pose.covariance, self._lasting) + error)
 
     def _in_reference(self, pose: GaussianPose) -> GaussianPose:
         c, s = cos(self._local_from_reference.theta), sin(self._local_from_reference.theta)

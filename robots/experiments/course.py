@@ -14,10 +14,11 @@ from numpy.typing import NDArray
 
 from robots.agent import RobotAgent
 from robots.config import AgentConfig, DeploymentConfig, PlanningConfig
+from robots.graph_report import IntArray
 from robots.se2 import Array
 from robots.sim.scenario import ScenarioConfig
 from robots.sim.simulation import Order, Simulation
-from robots.types import Displacement, IntArray, LaserScan, Observation, WheelEncoders
+from robots.types import Displacement, LaserScan, Observation, WheelEncoders
 
 ROBOT = "r1"
 # "the robot distributed approximately 50 RFID tags" on the small map (Kleiner 2006, below figure 5)

@@ -8,8 +8,8 @@ import numpy as np
 
 from robots.evaluation import Alignment, align
 from robots.experiments.course import Course
+from robots.graph_report import IntArray
 from robots.se2 import Array, Pose2
-from robots.types import IntArray
 
 
 @dataclass(frozen=True, slots=True)

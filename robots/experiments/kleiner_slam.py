@@ -27,9 +27,9 @@ from robots.experiments.experiment import Column, Experiment, Options, Row
 from robots.experiments.kleiner_slam_plot import draw
 from robots.experiments.parallel import in_parallel
 from robots.experiments.reckoning import Reckoned, firm_floor, read_sensors, reckon
+from robots.graph_report import GraphReport
 from robots.se2 import Array
 from robots.trajectory import edges_of, final_trajectory
-from robots.types import GraphReport
 
 LEVELS = (1, 2, 3, 4, 5)
 COURSES = 2  # buildings of each size; run r is driven in the r-th of them, and round again

@@ -15,10 +15,10 @@ from numba import njit
 from robots.config import AgentConfig, BodyConfig, OdometryConfig
 from robots.estimation.tag_graph import TagGraph
 from robots.experiments.course import Course
+from robots.graph_report import IntArray
 from robots.se2 import Array, GaussianPose, Pose2, wrap_array
 from robots.sim.wheels import Imu, Wheels, data_sheet
 from robots.trajectory import TrajectoryStep
-from robots.types import IntArray
 
 _SAME_PASS_M = 0.4  # as the agent has it
 _STEP_EVERY_S = 0.5

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from robots.experiments import (
+    consistency,
     kleiner_cellar,
     kleiner_slam,
     kleiner_time,
@@ -22,6 +23,7 @@ _ALL: tuple[Experiment, ...] = (
     sun_radio.EXPERIMENT,
     sun_table1.EXPERIMENT,
     sun_table2.EXPERIMENT,
+    consistency.EXPERIMENT,
 )
 
 EXPERIMENTS: dict[str, Experiment] = {experiment.name: experiment for experiment in _ALL}

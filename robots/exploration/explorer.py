@@ -10,10 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robots.config import AgentConfig, ConfigError
+from robots.exploration.claims import Claims, PlaceOf
 from robots.exploration.frontiers import Frontier, find_frontiers, find_shut_off
 from robots.exploration.recovery import Recovery, place_ahead
 from robots.exploration.strategies import STRATEGIES
-from robots.exploration.strategy import Choice, ExplorationView
+from robots.exploration.strategy import ExplorationView
 from robots.mapping.fused import FusedGrid
 from robots.planning.following import follow
 from robots.planning.plan_grid import FREE, PlanGrid, plan_grid
@@ -22,7 +23,7 @@ from robots.se2 import Array, Pose2
 from robots.types import Activity, FloatArray32, LaserScan
 
 _SAME_GOAL_M = 1.2  # a frontier this near to the old goal is what the old goal has become
-_KEEP_UNLESS = 0.6  # the old goal is kept unless another costs less than this share of it
+_KEEP_UNLESS = 0.4  # the old goal is kept unless another is worth more by this share of the way to it
 _BLOCKED_S = 40.0
 _ARRIVED_M = 0.3
 _LOOK_S = 4.0  # at a goal whose frontier does not vanish: so long it is looked at before it is put aside
@@ -63,6 +64,7 @@ class Explorer:
         self._config = config
         self._rng = np.random.default_rng(seed)
         self._strategy = STRATEGIES[config.planning.explore]()
+        self.claims = Claims()
         self.explored_m2 = 0.0
         self._goal_m: tuple[float, float] | None = None
         self._reason = "waiting for the first scan"
@@ -88,9 +90,16 @@ class Explorer:
         return self._planned_s is None or now_s - self._planned_s >= every_s
 
     def decide(
-        self, now_s: float, pose: Pose2, fused: FusedGrid, scan: LaserScan | None, bumped: bool, held: bool
+        self,
+        now_s: float,
+        pose: Pose2,
+        fused: FusedGrid,
+        scan: LaserScan | None,
+        bumped: bool,
+        held: bool,
+        place_of: PlaceOf = lambda tag_id: None,
     ) -> Decision:
-        """Return what to do now, from the pose in the map frame and the fused map."""
+        """Return what to do now, from the pose in the map frame, the fused map and where tags are."""
         if held:
             self._recovery.rest()
             return Decision(0.0, 0.0, "holding", "held by an order", self._goal_m)
@@ -98,7 +107,7 @@ class Explorer:
         if recovery is not None:
             return recovery
         if self.plan_is_due(now_s) and fused.cells.size:
-            self._plan(now_s, pose, fused)
+            self._plan(now_s, pose, fused, place_of)
         if self._done:
             return Decision(0.0, 0.0, "done", self._reason)
         if self._grid is None:
@@ -113,7 +122,7 @@ class Explorer:
         activity: Activity = "returning" if self._returning else "exploring"
         return Decision(linear, angular, activity, self._reason, self._goal_m, self._path.astype(np.float32))
 
-    def _plan(self, now_s: float, pose: Pose2, fused: FusedGrid) -> None:
+    def _plan(self, now_s: float, pose: Pose2, fused: FusedGrid, place_of: PlaceOf) -> None:
         config = self._config
         self._planned_s = now_s
         self._blocked = [place for place in self._blocked if place[2] > now_s]
@@ -129,28 +138,28 @@ class Explorer:
         if self._give_way_at is not None and self._give_way(now_s, pose, grid, costs):
             return
         frontiers = self._worth_going(find_frontiers(grid, costs, config.planning.min_frontier_m))
-        choice = self._strategy.choose(ExplorationView(pose, frontiers))
-        if choice is None and self._blocked:  # ground that was put aside is tried again before giving up
+        goal = self._choose(ExplorationView(pose, frontiers, self.claims.survey(grid, place_of)))
+        if goal is None and self._blocked:  # ground that was put aside is tried again before giving up
             self._blocked = []
             self._planned_s = None
             return
-        if choice is None:
+        if goal is None:
             shut_off = self._worth_going(find_shut_off(grid, costs, config.planning.min_frontier_m))
             if shut_off:
-                choice = Choice(shut_off[0], "look whether the way beyond is open by now")
-        self._returning = choice is None
-        if choice is None:
+                goal = shut_off[0], "look whether the way beyond is open by now"
+        self._returning = goal is None
+        if goal is None:
             self._go_home(pose, grid, costs)
             return
         self._done = False
-        choice = self._steady(choice, frontiers)
-        cells = find_path(grid, start, choice.frontier.goal)
+        frontier, why = goal
+        cells = find_path(grid, start, frontier.goal)
         if cells is None:
             self._path = np.zeros((0, 2))
             return
-        self._goal_m = choice.frontier.goal_m
+        self._goal_m = frontier.goal_m
         self._path = _points(grid, cells)
-        self._reason = f"driving {choice.frontier.cost_m:.0f} m to {choice.reason}"
+        self._reason = f"driving {frontier.cost_m:.0f} m to {why}"
 
     def _go_home(self, pose: Pose2, grid: PlanGrid, costs: NDArray[np.int32]) -> None:
         """Nothing is left to explore: return to where the map began, out of the others' way."""
@@ -171,18 +180,23 @@ class Explorer:
         blocked = np.array([(x, y, _BLOCKED_RADIUS_M) for x, y, _ in self._blocked]).reshape(-1, 3)
         return plan_grid(fused, self._config.body, self._config.planning, self._config.mapping, blocked)
 
-    def _steady(self, choice: Choice, frontiers: tuple[Frontier, ...]) -> Choice:
-        """Keep the goal while its frontier is still there and nothing much cheaper has come up."""
-        if self._goal_m is None:
-            return choice
-        x, y = self._goal_m
-        near = [f for f in frontiers if hypot(f.goal_m[0] - x, f.goal_m[1] - y) < _SAME_GOAL_M]
-        if not near:
-            return choice
-        same = min(near, key=lambda f: hypot(f.goal_m[0] - x, f.goal_m[1] - y))
-        if choice.frontier.cost_m < _KEEP_UNLESS * same.cost_m:
-            return choice
-        return Choice(same, f"an edge of the unknown, {same.length_m:.1f} m wide")
+    def _choose(self, view: ExplorationView) -> tuple[Frontier, str] | None:
+        """Return the frontier that is worth most and why, None where there is none.
+
+        The old goal is kept while its frontier is still there and nothing much better has come up.
+        """
+        if not view.frontiers:
+            return None
+        worths = self._strategy.worths(view)
+        best = int(np.argmax(worths))
+        if self._goal_m is not None:
+            x, y = self._goal_m
+            far = [hypot(f.goal_m[0] - x, f.goal_m[1] - y) for f in view.frontiers]
+            same = int(np.argmin(far))
+            gained = worths[best] - worths[same]
+            if far[same] < _SAME_GOAL_M and gained <= _KEEP_UNLESS * view.frontiers[same].cost_m:
+                best = same
+        return view.frontiers[best], self._strategy.reason(view, best)
 
     def _look_round(self, now_s: float, pose: Pose2) -> Decision | None:
         """At the goal, turn to see what lies there; a frontier that stays is put aside for a while."""

@@ -5,32 +5,43 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Protocol
 
+import numpy as np
+
+from robots.exploration.claims import Survey
 from robots.exploration.frontiers import Frontier
-from robots.se2 import Pose2
+from robots.se2 import Array, Pose2
 
 
 @dataclass(frozen=True, slots=True)
 class ExplorationView:
     """What a strategy may use, in the map frame.
 
-    The robot's pose and its reachable frontiers, nearest first.
+    The robot's pose, its reachable frontiers, nearest first, and what is unknown, to it and to those whose
+    word it has read in tags.
     """
 
     pose: Pose2
     frontiers: tuple[Frontier, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class Choice:
-    """A frontier to go to, and why, in words an operator understands."""
-
-    frontier: Frontier
-    reason: str
+    survey: Survey
 
 
 class Strategy(Protocol):
-    """Chooses the next frontier; None when there is none worth going to."""
+    """Weighs frontiers against each other."""
 
-    def choose(self, view: ExplorationView) -> Choice | None:
-        """Return the choice for this view."""
+    def worths(self, view: ExplorationView) -> Array:
+        """Return how much each frontier is worth (n,), in metres of way; the robot goes to the greatest."""
         ...
+
+    def reason(self, view: ExplorationView, index: int) -> str:
+        """Return why a frontier is chosen, in words an operator understands, after "driving 3 m to"."""
+        ...
+
+
+def goals_of(view: ExplorationView) -> Array:
+    """Return where the frontiers are, (n, 2), in the map frame."""
+    return np.array([frontier.goal_m for frontier in view.frontiers]).reshape(-1, 2)
+
+
+def ways_of(view: ExplorationView) -> Array:
+    """Return what it costs to get to the frontiers, (n,), in metres."""
+    return np.array([frontier.cost_m for frontier in view.frontiers])

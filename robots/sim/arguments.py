@@ -6,8 +6,9 @@ import argparse
 from math import radians
 from typing import get_args
 
-from robots.config import AgentConfig
+from robots.config import AgentConfig, PlanningConfig
 from robots.estimation.radio import ENVIRONMENTS, TagHardware
+from robots.exploration.strategies import STRATEGIES
 from robots.sim.hostile import HostileConfig
 from robots.sim.scenario import (
     SLAM_KINDS,
@@ -53,6 +54,7 @@ def add_scenario_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--tag-bits", type=int, default=usual.tag_bits)
     parser.add_argument("--slam", metavar="[ROBOT=]KIND,...", help=f"of {', '.join(SLAM_KINDS)}")
     parser.add_argument("--memory", choices=("none", "tags"), default="none", help="maps left in tags")
+    parser.add_argument("--explore", choices=tuple(STRATEGIES), default=PlanningConfig().explore)
     for name in HostileConfig.__slots__:
         option = f"--{name.replace('_', '-')}"
         parser.add_argument(option, type=int, default=getattr(usual.hostile, name), metavar="COUNT")
@@ -84,7 +86,9 @@ def scenario_from_arguments(arguments: argparse.Namespace) -> ScenarioConfig:
         tags_in_place=arguments.tags_in_place,
         tag_bits=arguments.tag_bits,
         slam=parse_slam(arguments.slam) if arguments.slam else (),
-        agent_config=AgentConfig(map_memory=arguments.memory == "tags"),
+        agent_config=AgentConfig(
+            planning=PlanningConfig(explore=arguments.explore), map_memory=arguments.memory == "tags"
+        ),
     )
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robots.agent import RobotAgent, merge_commands
+from robots.graph_report import IntArray
 from robots.se2 import Array, Pose2
 from robots.sim.pilots import Agent, AgentFactory, DirectPilot, Merge, Pilot, RadioPilot
 from robots.sim.scenario import ScenarioConfig
@@ -19,7 +20,7 @@ from robots.sim.simulation import Simulation
 from robots.sim.starts import Victim
 from robots.sim.tags import BASE_TAG, Tag
 from robots.sim.world import World
-from robots.types import AgentUpdate, IntArray, Observation
+from robots.types import AgentUpdate, Observation
 
 
 @dataclass(frozen=True, eq=False)

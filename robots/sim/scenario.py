@@ -64,9 +64,9 @@ class ScenarioConfig:
     are off by a constant each, up to ``compass_off_rad`` to either side.
 
     ``tags``: the hardware of the tags, those ``tags_in_place`` at the start (N01, N02, ...) and those that
-    robots drop. Radio tags are heard in ``environment``; robots with SLAM over the floor's tags also read the
-    chip of a tag that they drive over. ``slam``: pairs of a robot's name, or ``OTHERS``, and its kind.
-    ``tag_bits`` None: as much memory as such tags have.
+    robots drop. Radio tags are heard in ``environment``, or as ``measured_radio`` says where there is one;
+    robots with SLAM over the floor's tags also read the chip of a tag that they drive over. ``slam``: pairs
+    of a robot's name, or ``OTHERS``, and its kind. ``tag_bits`` None: as much memory as such tags have.
     """
 
     map: str = "office:300"
@@ -91,6 +91,7 @@ class ScenarioConfig:
     infrareds: int = 0
     tags: TagHardware = "near"
     environment: str = "open"
+    measured_radio: RadioConfig | None = None
     tags_in_place: int = 0
     tag_bits: int | None = None
     base_tag: bool = True
@@ -176,7 +177,9 @@ class ScenarioConfig:
     @property
     def radio(self) -> RadioConfig | None:
         """The radio of the tags, None where they have none."""
-        return None if self.tags == "near" else radio_for(self.tags, self.environment)
+        if self.tags == "near":
+            return None
+        return self.measured_radio or radio_for(self.tags, self.environment)
 
     def agent_of(self, robot_id: str) -> AgentConfig:
         """Return what a robot's agent is told.

@@ -14,10 +14,10 @@ from math import atan2, cos, hypot, inf, sin, sqrt
 
 import numpy as np
 
+from robots.graph_report import GraphReport
 from robots.se2 import Array, Pose2, wrap
 from robots.team.meetings import Meeting
 from robots.team.types import StartPose
-from robots.types import GraphReport
 
 BASELINE_M = 1.0  # two points nearer than this say too little about the rotation
 BIAS_SD_RAD = 0.0175  # by which an aligned compass is off

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
@@ -11,7 +11,10 @@ import numpy as np
 from robots.estimation.blunders import way_tests
 from robots.estimation.graph import Marginals
 from robots.estimation.graph_problem import GraphError, assemble
+from robots.estimation.range_smoothing import smooth_ranges
+from robots.estimation.range_views import as_sightings
 from robots.estimation.tag_trust import Judgement, judge
+from robots.graph_report import GraphReport
 from robots.se2 import Array, Pose2, wrap
 from robots.team.frames import common_north, join_frames
 from robots.team.history import History
@@ -20,7 +23,7 @@ from robots.team.meetings import meetings_of
 from robots.team.notices import tag_notices, way_notices
 from robots.team.problem import JointProblem, joint_problem, moved
 from robots.team.types import StartPose, TeamNotice, TeamTag
-from robots.types import GraphReport, SubmapReport
+from robots.types import SubmapReport
 
 _COMPASS_CHI2 = 10.8  # a compass that agrees with the others is off by more once in a thousand
 _COMPASS_RAD = 0.15  # by which a compass may seem off before anything is solved
@@ -69,21 +72,21 @@ def solve_together(
         return JointSolution(anchors, notices=tuple(notices))
     meetings = meetings_of(sound, histories)
     lasers.begin()
-    frames = join_frames(sound, starts, meetings, lambda a, b, tag: lasers.at_tag(a, b, tag, sound, submaps))
-    loops = lasers.between(sound, submaps, frames)
+    placed = {name: as_sightings(graph) for name, graph in sound.items()}
+    frames = join_frames(sound, starts, meetings, lambda a, b, tag: lasers.at_tag(a, b, tag, placed, submaps))
+    loops = lasers.between(placed, submaps, frames)
     lasers.end()
     tied = _agreeing(sound, frames)
 
-    def problem() -> JointProblem:
-        return joint_problem(sound, starts, frames, loops=loops, meetings=meetings, tied=tied)
+    def solved() -> tuple[JointProblem, Judgement]:
+        joint = joint_problem(sound, starts, frames, loops=loops, meetings=meetings, tied=tied)
+        return _judged(joint, any(len(graph.sighting_pairs) for graph in sound.values()), method)
 
-    joint = problem()
-    judged = judge(joint.problem, joint.stamps_s, ways=joint.ways, method=method)
+    joint, judged = solved()
     loose = _contradicted(joint, judged)
     if loose:
         tied -= loose
-        joint = problem()
-        judged = judge(joint.problem, joint.stamps_s, ways=joint.ways, method=method)
+        joint, judged = solved()
     anchors |= {name: moved(frames[name], graph.poses) for name, graph in sound.items() if name in frames}
     covariances, every = {}, judged.solution.marginals.all()
     for name in joint.names:
@@ -101,6 +104,18 @@ def solve_together(
         begins=joint.begins,
         notices=tuple(sorted(notices, key=lambda notice: (notice.kind, notice.about, notice.since_s))),
     )
+
+
+def _judged(joint: JointProblem, passed: bool, method: Method) -> tuple[JointProblem, Judgement]:
+    """Solve; test the tags where robots ``passed`` over some. Ranges are let go by their own kernel."""
+    if joint.ranges is None:
+        return joint, judge(joint.problem, joint.stamps_s, ways=joint.ways, method=method)
+    batch = smooth_ranges(joint.problem, joint.ranges)
+    joint = replace(joint, problem=batch.graph)
+    if passed:
+        return joint, judge(joint.problem, joint.stamps_s, ways=joint.ways, method=method)
+    tags = np.arange(len(joint.tag_ids))
+    return joint, Judgement(batch.graph, batch.solution, tags, np.zeros_like(tags), (), (), 1.0)
 
 
 def _sound(graphs: Mapping[str, GraphReport]) -> tuple[dict[str, GraphReport], list[TeamNotice]]:

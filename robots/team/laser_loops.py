@@ -15,10 +15,11 @@ from math import hypot, pi
 import numpy as np
 
 from robots.estimation.cloud_matching import Cloud, CloudMatch, Window, match_clouds
+from robots.graph_report import GraphReport
 from robots.mapping.clouds import surface_points
 from robots.mapping.submap import unpack
 from robots.se2 import Array, Pose2, compose_jacobians, wrap
-from robots.types import GraphReport, SubmapReport
+from robots.types import SubmapReport
 
 _REACH_M = 4.0  # of what lies round the tag
 _LEAST_POINTS = 60

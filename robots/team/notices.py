@@ -7,9 +7,9 @@ from collections.abc import Mapping
 import numpy as np
 
 from robots.estimation.tag_trust import Judgement, TagVerdict
+from robots.graph_report import GraphReport
 from robots.team.problem import JointProblem
 from robots.team.types import TeamNotice
-from robots.types import GraphReport
 
 _OFTEN = 3  # contradictions of one robot's way, from which it may be two robots,
 _SHARE = 0.25  # where they are so many of its readings

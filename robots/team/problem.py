@@ -14,12 +14,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robots.estimation.graph import GraphProblem
+from robots.estimation.range_views import RangeViews, as_sightings
+from robots.graph_report import GraphReport, IntArray
 from robots.se2 import Array, Pose2
 from robots.team.frames import BIAS_SD_RAD
 from robots.team.laser_loops import TeamLoop
 from robots.team.meetings import Meeting
+from robots.team.ranges import joint_views
 from robots.team.types import StartPose
-from robots.types import GraphReport, IntArray
 
 _HEADING_SD_RAD = 0.035  # of a compass, for minutes at a time
 _HELD_SD = 1e-3  # what holds the world in place where nobody surveyed it
@@ -33,7 +35,7 @@ class JointProblem:
     ``begins``: index of each robot's first pose; ``norths``: index of the vertex of its compass; ``stamps_s``
     and ``readers`` (s,) when and by which of ``names`` each sighting was made; ``ways`` (w,): edges that are
     displacements driven, ``drivers`` (w,) by whom; ``ties``: the edge that ties a compass to the common
-    north.
+    north; ``ranges``: what was seen by range, where links of the problem are but tangents.
     """
 
     problem: GraphProblem
@@ -46,6 +48,7 @@ class JointProblem:
     ways: IntArray
     drivers: IntArray
     ties: dict[str, int]
+    ranges: RangeViews | None
 
 
 class _Edges:
@@ -92,9 +95,9 @@ def joint_problem(
     poses: list[Array] = []
     count = 0
     edges = _Edges()
-    ways, drivers, sightings, stamps, readers = [], [], [], [], []
+    ways, drivers, sightings, stamps, readers, placed = [], [], [], [], [], []
     for index, name in enumerate(names):
-        graph = graphs[name]
+        graph = as_sightings(graphs[name])
         begins[name] = count
         poses.append(moved(frames[name], graph.poses))
         ways.append(edges.count + np.arange(len(graph.edge_pairs)))
@@ -106,6 +109,7 @@ def joint_problem(
         sightings.append(
             np.column_stack([pairs[:, 0] + count, to_team[pairs[:, 1]]]) if len(pairs) else pairs
         )
+        placed.append(graph)
         stamps.append(graph.stamps_s[pairs[:, 0]])
         readers.append(np.full(len(pairs), index))
         count += len(graph.poses)
@@ -113,6 +117,7 @@ def joint_problem(
         if loop.first in begins and loop.second in begins:
             pair = [begins[loop.first] + loop.first_pose, begins[loop.second] + loop.second_pose]
             edges.add(pair, loop.pose, np.linalg.inv(loop.covariance), True)
+    met_from = edges.count
     count = _add_meetings(meetings, begins, poses, count, edges)
     agreeing = frozenset(names) if tied is None else tied
     norths, ties, priors = _add_norths(graphs, frames, begins, poses, count, edges, agreeing)
@@ -124,8 +129,8 @@ def joint_problem(
         edge_poses=np.concatenate(edges.poses),
         edge_covariances=np.tile(np.eye(3), (edges.count, 1, 1)),
         sighting_pairs=np.concatenate(sightings).astype(np.int64),
-        sighting_offsets=np.concatenate([graphs[name].sighting_offsets for name in names]),
-        sighting_covariances=np.concatenate([graphs[name].sighting_covariances for name in names]),
+        sighting_offsets=np.concatenate([graph.sighting_offsets for graph in placed]),
+        sighting_covariances=np.concatenate([graph.sighting_covariances for graph in placed]),
         prior_index=np.array([vertex for vertex, _, _ in priors], np.int64),
         prior_poses=np.array([pose for _, pose, _ in priors]),
         prior_sds=np.array([sds for _, _, sds in priors]),
@@ -143,6 +148,7 @@ def joint_problem(
         ways=np.concatenate(ways),
         drivers=np.concatenate(drivers),
         ties=ties,
+        ranges=joint_views(graphs, names, tag_index, meetings, met_from, edges.count),
     )
 
 

@@ -13,6 +13,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from robots.graph_report import GraphReport
 from robots.mapping.fused import FusedGrid
 from robots.mapping.submap import unpack
 from robots.se2 import Pose2
@@ -21,7 +22,7 @@ from robots.team.joint import JointSolution, Method, solve_together
 from robots.team.laser_loops import LaserLoops
 from robots.team.types import StartPose, TeamGrid, TeamRobot, TeamUpdate, TeamVictim
 from robots.team.victims import in_world, merge_victims
-from robots.types import AgentUpdate, FloatArray32, GraphReport, SubmapReport, VictimEstimate
+from robots.types import AgentUpdate, FloatArray32, SubmapReport, VictimEstimate
 
 _TRAIL_M = 0.25
 _FREE, _BOUND = -4, 60  # log-odds in tenths
@@ -130,7 +131,9 @@ class TeamMap:
             graph = self._members[name].graph
             if graph is None:
                 continue
-            order = [graph.tag_ids[int(tag)] for _, tag in graph.sighting_pairs]
+            seen = np.concatenate([graph.sighting_pairs, graph.range_pairs])
+            seen = seen[np.argsort(seen[:, 0], kind="stable")]
+            order = [graph.tag_ids[int(tag)] for _, tag in seen]
             for a, b in pairwise(order):
                 if a != b:
                     pairs.add((min(a, b), max(a, b)))

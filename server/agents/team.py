@@ -17,9 +17,10 @@ import structlog
 
 from db.records import StartPoseRecord
 from robots import codec
+from robots.graph_report import GraphReport
 from robots.se2 import Array
 from robots.team import TeamUpdate
-from robots.types import AgentUpdate, GraphReport, SubmapReport, VictimEstimate
+from robots.types import AgentUpdate, SubmapReport, VictimEstimate
 from server.agents.forkserver import TEAM
 from server.agents.frames import Kind
 from server.agents.process import ForkServer, Worker

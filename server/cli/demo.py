@@ -13,6 +13,7 @@ import typer
 
 from server.cli.options import (
     EnvironmentOption,
+    ExploreOption,
     Memory,
     MemoryOption,
     SlamOption,
@@ -36,6 +37,7 @@ def demo(
     tags_in_place: TagsInPlaceOption = 0,
     slam: SlamOption = None,
     memory: MemoryOption = Memory.NONE,
+    explore: ExploreOption = "waymark",
     fires: Annotated[int, typer.Option(metavar="N", help="Fires; active nodes near them tell.")] = 0,
     host: HostOption = None,
     port: PortOption = None,
@@ -60,6 +62,7 @@ def demo(
             "tags-in-place": tags_in_place,
             "memory": memory.value,
             "fires": fires,
+            "explore": explore,
         }
         | ({"slam": slam} if slam else {})
     )

@@ -8,7 +8,20 @@ from collections.abc import Sequence
 
 import typer
 
-from server.cli import bench, demo, evaluate, experiment, export, replay, serve, simulate, solve, tag, warm
+from server.cli import (
+    bench,
+    demo,
+    evaluate,
+    experiment,
+    export,
+    fit_radio,
+    replay,
+    serve,
+    simulate,
+    solve,
+    tag,
+    warm,
+)
 from server.cli.console import CommandError, say
 
 
@@ -28,6 +41,7 @@ def build() -> typer.Typer:
     command.command("evaluate")(evaluate.evaluate)
     command.command("export")(export.export)
     command.command("solve")(solve.solve)
+    command.command("fit-radio")(fit_radio.fit_radio)
     command.command("experiment")(experiment.experiment)
     command.command("bench")(bench.bench)
     command.add_typer(tag.tag)

@@ -16,7 +16,7 @@ JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON object 
 OutOption = Annotated[
     Path | None, typer.Option(metavar="DIR", help="Write trajectories, tags.csv, map.png and map.yaml there.")
 ]
-_TAGS = "Tags and radios"
+TAGS_PANEL = "Tags and radios"
 
 
 class Tags(StrEnum):
@@ -36,25 +36,41 @@ class Memory(StrEnum):
 
 TagsOption = Annotated[
     Tags,
-    typer.Option(help="Read from above, by radio in sight to 4 m, or active to 35 m.", rich_help_panel=_TAGS),
+    typer.Option(
+        help="Read from above, by radio in sight to 4 m, or active to 35 m.", rich_help_panel=TAGS_PANEL
+    ),
 ]
 EnvironmentOption = Annotated[
     str,
-    typer.Option(metavar="NAME", help="open, office1, office2, grocery or retail.", rich_help_panel=_TAGS),
+    typer.Option(
+        metavar="NAME", help="open, office1, office2, grocery or retail.", rich_help_panel=TAGS_PANEL
+    ),
 ]
 TagsInPlaceOption = Annotated[
-    int, typer.Option(metavar="N", help="Tags in place at the start.", rich_help_panel=_TAGS)
+    int, typer.Option(metavar="N", help="Tags in place at the start.", rich_help_panel=TAGS_PANEL)
 ]
 SlamOption = Annotated[
     str | None,
     typer.Option(
         metavar="[ROBOT=]KIND,...",
         help="Kind of SLAM: of all robots, or of each, as in r1=odometry,tag-graph.",
-        rich_help_panel=_TAGS,
+        rich_help_panel=TAGS_PANEL,
     ),
 ]
 MemoryOption = Annotated[
-    Memory, typer.Option(help="Whether robots leave maps of tags in the tags.", rich_help_panel=_TAGS)
+    Memory, typer.Option(help="Whether robots leave maps of tags in the tags.", rich_help_panel=TAGS_PANEL)
+]
+
+
+TagBitsOption = Annotated[
+    int | None,
+    typer.Option(
+        metavar="N", help="Capacity of a tag; that of its kind by default.", rich_help_panel=TAGS_PANEL
+    ),
+]
+ExploreOption = Annotated[
+    str,
+    typer.Option(metavar="NAME", help="How robots choose where to go: nearest, information-gain or waymark."),
 ]
 
 

@@ -11,12 +11,15 @@ import typer
 
 from server.cli.console import CommandError, print_json, print_table, progress
 from server.cli.options import (
+    TAGS_PANEL,
     EnvironmentOption,
+    ExploreOption,
     JsonOption,
     Memory,
     MemoryOption,
     OutOption,
     SlamOption,
+    TagBitsOption,
     Tags,
     TagsInPlaceOption,
     TagsOption,
@@ -61,6 +64,7 @@ def simulate(
     slip: Annotated[bool, typer.Option("--slip", help="Slippery patches on the floor.")] = False,
     victims: Annotated[int, typer.Option(metavar="N", help="People to be found.")] = 4,
     start: Annotated[Start, typer.Option(help="All at one place, or spread over the building.")] = Start.SAME,
+    explore: ExploreOption = "waymark",
     radio_cut: Annotated[
         list[str] | None, typer.Option(metavar="ROBOT:FROM:TO", help="Silence in seconds; may be repeated.")
     ] = None,
@@ -77,9 +81,18 @@ def simulate(
     spikes: Annotated[int, _count("Of a thousand readings of a radio that are far off.")] = 0,
     tags: TagsOption = Tags.NEAR,
     environment: EnvironmentOption = "open",
+    radio: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE.yaml",
+            help="In place of an environment: the radio that waymark fit-radio measured.",
+            rich_help_panel=TAGS_PANEL,
+        ),
+    ] = None,
     tags_in_place: TagsInPlaceOption = 0,
     slam: SlamOption = None,
     memory: MemoryOption = Memory.NONE,
+    tag_bits: TagBitsOption = None,
     laser_beams: Annotated[int, _sensor("N", "Beams of the laser.")] = 240,
     laser_range: Annotated[float, _sensor("METRES", "Range of the laser.")] = 4.0,
     laser_view: Annotated[float, _sensor("DEGREES", "Field of view of the laser.")] = 240.0,
@@ -108,7 +121,10 @@ def simulate(
 
     Step times are those of steps with a laser scan; step_hz counts all steps over the whole run.
     """
-    from robots.config import AgentConfig
+    from robots.config import AgentConfig, PlanningConfig
+    from robots.datasets.radio_file import read_radio
+    from robots.datasets.recording import RecordingError
+    from robots.exploration.strategies import STRATEGIES
     from robots.sim.arguments import parse_radio_cut
     from robots.sim.hostile import HostileConfig
     from robots.sim.scenario import ScenarioConfig, ScenarioError, parse_slam
@@ -116,6 +132,8 @@ def simulate(
     from robots.sim.world import WorldError
 
     finite("--minutes", minutes, above=0.0)
+    if explore not in STRATEGIES:
+        raise CommandError(f"--explore has to be one of {', '.join(STRATEGIES)}, not {explore!r}")
     check_writable(out)
     try:
         config = ScenarioConfig(
@@ -150,12 +168,16 @@ def simulate(
             infrareds=infrareds,
             tags=tags.value,
             environment=environment,
+            measured_radio=None if radio is None else read_radio(radio),
             tags_in_place=tags_in_place,
             slam=parse_slam(slam) if slam else (),
-            agent_config=AgentConfig(map_memory=memory is Memory.TAGS),
+            tag_bits=tag_bits,
+            agent_config=AgentConfig(
+                planning=PlanningConfig(explore=explore), map_memory=memory is Memory.TAGS
+            ),
         )
         outcome = play(config)
-    except (ScenarioError, WorldError) as error:
+    except (ScenarioError, WorldError, RecordingError) as error:
         raise CommandError(str(error)) from error
     summary = report(outcome, out)
     if json:

@@ -25,7 +25,7 @@ from db.records import (
     VictimRecord,
 )
 from db.store import Store
-from robots.types import GraphReport
+from robots.graph_report import GraphReport
 
 M = "mine"
 

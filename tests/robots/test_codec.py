@@ -8,10 +8,11 @@ import pytest
 from robots.agent import RobotAgent
 from robots.codec import _CLASSES, CodecError, decode, encode
 from robots.config import AgentConfig, AntennaConfig
+from robots.graph_report import GraphReport
 from robots.se2 import GaussianPose, Pose2
 from robots.team import TeamMap
 from robots.team.types import TeamUpdate
-from robots.types import AgentUpdate, Displacement, GraphReport, Observation, WheelEncoders
+from robots.types import AgentUpdate, Displacement, Observation, WheelEncoders
 
 
 @pytest.fixture(scope="module")

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from robots.graph_report import IntArray
 from robots.se2 import Array, Pose2
-from robots.types import IntArray
 
 _PRUNE_EVERY = 32  # poses
 

@@ -11,8 +11,8 @@ from robots.config import RangeSlamConfig
 from robots.estimation.rslam.particles import copy_columns
 from robots.estimation.rslam.places import vote
 from robots.estimation.rslam.range_kernels import ROWS, WORK_ROWS, age_offset, correct, innovations, settle
+from robots.graph_report import IntArray
 from robots.se2 import Array
-from robots.types import IntArray
 
 Noise = tuple[float, float]  # deviation in metres, or of the logarithm; the other is 0
 

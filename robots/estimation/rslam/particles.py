@@ -7,8 +7,8 @@ from math import atan2, cos, exp, pi, sin
 import numpy as np
 from numba import njit
 
+from robots.graph_report import IntArray
 from robots.se2 import Array, GaussianPose, Pose2
-from robots.types import IntArray
 
 
 class Particles:

@@ -1,6 +1,12 @@
 """One file for each way of choosing where to go; ``STRATEGIES`` names them."""
 
+from robots.exploration.strategies.information_gain import InformationGain
 from robots.exploration.strategies.nearest import Nearest
+from robots.exploration.strategies.waymark import Waymark
 from robots.exploration.strategy import Strategy
 
-STRATEGIES: dict[str, type[Strategy]] = {"nearest": Nearest}
+STRATEGIES: dict[str, type[Strategy]] = {
+    "nearest": Nearest,
+    "information-gain": InformationGain,
+    "waymark": Waymark,
+}

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from robots.exploration.strategy import Choice, ExplorationView
+from robots.exploration.strategy import ExplorationView, ways_of
+from robots.se2 import Array
 
 
 class Nearest:
     """Takes the frontier that costs least to reach."""
 
-    def choose(self, view: ExplorationView) -> Choice | None:
-        """Return the nearest frontier."""
-        if not view.frontiers:
-            return None
-        nearest = view.frontiers[0]
-        return Choice(nearest, f"the nearest edge of the unknown, {nearest.length_m:.1f} m wide")
+    def worths(self, view: ExplorationView) -> Array:
+        """Return the ways, the shortest worth most."""
+        return -ways_of(view)
+
+    def reason(self, view: ExplorationView, index: int) -> str:
+        """Return which edge it is."""
+        which = "the nearest edge" if index == 0 else "an edge"
+        return f"{which} of the unknown, {view.frontiers[index].length_m:.1f} m wide"

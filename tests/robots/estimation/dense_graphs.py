@@ -6,6 +6,8 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from robots.estimation.graph import GraphProblem
+from robots.estimation.graph_factors import Equations
+from robots.estimation.graph_order import Order, order
 
 NO_KERNEL = 1e9
 
@@ -47,3 +49,22 @@ def reference(problem: GraphProblem, kernel_sd: float) -> tuple[np.ndarray, np.n
     )
     n = 3 * len(problem.poses)
     return found.x[:n].reshape(-1, 3), found.x[n:].reshape(-1, 2), 2.0 * float(found.cost)
+
+
+def room_for(count: int, pairs: np.ndarray) -> tuple[Order, Equations]:
+    frame, slot, turned = order(count, pairs)
+    blocks = np.empty((len(frame.entries), 3, 3))
+    return frame, Equations(slot, turned, np.empty((count, 3, 3)), blocks, np.empty((count, 3)))
+
+
+def dense(equations: Equations, pairs: np.ndarray) -> np.ndarray:
+    """The whole matrix of the normal equations."""
+    n = len(equations.diagonal)
+    matrix = np.zeros((n, 3, n, 3))
+    for i in range(n):
+        matrix[i, :, i] = equations.diagonal[i]
+    for (a, b), slot, turned in zip(pairs, equations.slot, equations.turned, strict=True):
+        if slot >= 0:
+            block = equations.beside[slot] if turned else equations.beside[slot].T  # a by b
+            matrix[a, :, b], matrix[b, :, a] = block, block.T
+    return matrix.reshape(3 * n, 3 * n)

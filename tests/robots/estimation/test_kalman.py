@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from robots.estimation.kalman import fuse
+from robots.estimation.kalman import at_least, fuse
 from robots.se2 import GaussianPose, Pose2, wrap
 
 
@@ -77,3 +77,19 @@ def test_correlation_carries_a_measured_heading_into_the_place():
 def test_a_singular_covariance_is_refused():
     with pytest.raises(np.linalg.LinAlgError):
         fuse(GaussianPose.exact(), belief(1))
+
+
+@given(seeds, seeds)
+def test_the_larger_of_two_covariances_claims_less_than_either(one, two):
+    a, b = belief(one).covariance, belief(two).covariance
+    larger = at_least(a, b)
+    for smaller in (a, b):
+        assert np.linalg.eigvalsh(larger - smaller)[0] > -1e-9
+    np.testing.assert_allclose(larger, at_least(b, a), atol=1e-8)
+    np.testing.assert_allclose(at_least(larger, a), larger, atol=1e-9)
+    assert np.linalg.matrix_rank(larger - a, tol=1e-7) + np.linalg.matrix_rank(larger - b, tol=1e-7) <= 3
+
+
+def test_along_the_axes_the_larger_covariance_counts():
+    found = at_least(np.diag([1.0, 4.0, 0.0]), np.diag([2.0, 3.0, 0.0]))
+    np.testing.assert_allclose(found, np.diag([2.0, 4.0, 0.0]), atol=1e-9)

@@ -112,8 +112,9 @@ def test_many_sightings_from_one_pose_count_as_one():
         observation = Observation(seq, 0.1 * seq, tag_sightings=(TagSighting("L1", b"", 3.0, 0.2),))
         slam.predict(observation, seq > 0, False)
         slam.pass_tags(observation)
-        spreads.append(slam.report().sighting_covariances[0])
-    assert slam.report().sighting_pairs.tolist() == [[0, 0]]
+        report = slam.report()
+        spreads.append([*report.range_sds_m, *report.bearing_sds_rad])
+    assert slam.report().range_pairs.tolist() == [[0, 0]]
     np.testing.assert_array_equal(spreads[0], spreads[-1])
 
 

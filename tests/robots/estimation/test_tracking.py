@@ -267,3 +267,29 @@ def test_displacements_between_tags_know_their_error(imu):
     nees = consistency(*(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))
     assert nees.samples >= 30
     assert 0.5 < nees.average < 6.0, nees
+
+
+def test_scans_that_drive_along_are_not_claimed_to_hold_it(sweep, hall):
+    """Something drives ahead and hides all else: each scan is as the first, and the wheels go on.
+
+    Whichever is right, by the end it is uncertain by what they disagree.
+    """
+    drive = Drive(sweep, hall, imu=True)
+    drive.ahead(20)
+    drive.tracker.restart()
+    seen = sweep(hall, drive.true)
+    told_m = 0.04
+    matched = [drive.look(DistanceTurn(told_m, 0.0), seen) for _ in range(20)]
+    assert np.mean(matched) > 0.8
+    displacement = drive.tracker.anchor_from_base
+    apart = 20 * told_m - displacement.mean.x
+    assert apart > 0.3
+    assert np.sqrt(displacement.covariance[0, 0]) > 0.5 * apart
+
+
+def test_scans_and_wheels_that_agree_are_claimed_to_hold_it(sweep, hall):
+    drive = Drive(sweep, hall, imu=True, sd_m=0.01)
+    drive.ahead(20)
+    drive.tracker.restart()
+    drive.ahead(20)
+    assert np.sqrt(drive.tracker.anchor_from_base.covariance[:2, :2].trace()) < 0.04

@@ -1,32 +1,69 @@
-"""What the strategies choose."""
+"""What the strategies find worth going to."""
 
+import numpy as np
+import pytest
+
+from robots.exploration.claims import Survey
 from robots.exploration.frontiers import Frontier
 from robots.exploration.strategies import STRATEGIES
+from robots.exploration.strategies.information_gain import InformationGain
 from robots.exploration.strategies.nearest import Nearest
+from robots.exploration.strategies.waymark import Waymark
 from robots.exploration.strategy import ExplorationView
 from robots.se2 import Pose2
+from robots.tags.memory import CLOSED, OPEN
+
+NEAR, FAR = Frontier((0, 0), (5.0, 5.0), 0.6, 5.0), Frontier((0, 0), (25.0, 5.0), 9.0, 7.0)
 
 
-def frontier(cost_m: float, length_m: float) -> Frontier:
-    return Frontier((1, 1), (0.15, 0.15), length_m, cost_m)
+def view(frontiers=(NEAR, FAR), known_to_x_m=0.0, claimed_to_x_m=0.0, state=CLOSED):
+    """A map of 30 m by 10 m, known up to one x and claimed up to another."""
+    unknown, claimed = np.ones((20, 60)), np.zeros((20, 60), np.uint8)
+    unknown[:, : round(2 * known_to_x_m)] = 0.0
+    claimed[:, : round(2 * claimed_to_x_m)] = state
+    return ExplorationView(Pose2(), frontiers, Survey(unknown, claimed, (0.0, 0.0)))
+
+
+def best(strategy, seen):
+    return seen.frontiers[int(np.argmax(strategy.worths(seen)))]
 
 
 def test_the_nearest_is_taken_however_wide_the_others_are():
-    view = ExplorationView(Pose2(), (frontier(1.0, 0.6), frontier(2.0, 9.0)))
-    choice = Nearest().choose(view)
-    assert choice.frontier is view.frontiers[0]
-    assert choice.reason == "the nearest edge of the unknown, 0.6 m wide"
+    assert best(Nearest(), view()) is NEAR
+    assert Nearest().reason(view(), 0) == "the nearest edge of the unknown, 0.6 m wide"
+    assert Nearest().reason(view(), 1) == "an edge of the unknown, 9.0 m wide"
 
 
-def test_every_strategy_says_when_there_is_nothing_left():
-    assert "nearest" in STRATEGIES
-    for strategy in STRATEGIES.values():
-        assert strategy().choose(ExplorationView(Pose2(), ())) is None
+def test_a_little_more_way_is_worth_much_more_to_see():
+    assert best(InformationGain(), view()) is NEAR
+    assert best(InformationGain(), view(known_to_x_m=8.0)) is FAR
+    assert InformationGain().reason(view(known_to_x_m=30.0), 1) == "see about 0 m² of new ground"
+    assert InformationGain().reason(view(), 1) == "see about 36 m² of new ground"
 
 
-def test_every_strategy_chooses_one_of_what_it_sees():
-    view = ExplorationView(Pose2(), (frontier(1.0, 0.6), frontier(2.0, 9.0)))
-    for strategy in STRATEGIES.values():
-        choice = strategy().choose(view)
-        assert choice.frontier in view.frontiers
-        assert choice.reason
+def test_what_others_covered_is_left_to_the_last_and_only_by_waymark():
+    seen = view(claimed_to_x_m=12.0)
+    assert best(InformationGain(), seen) is NEAR
+    assert best(Waymark(), seen) is FAR
+    assert best(Waymark(), view((NEAR,), claimed_to_x_m=12.0)) is NEAR
+    assert Waymark().reason(seen, 0) == "check ground that tags call covered"
+    assert Waymark().reason(seen, 1) == "see about 36 m² of new ground"
+
+
+def test_ground_with_an_open_frontier_is_no_claim():
+    assert best(Waymark(), view(claimed_to_x_m=12.0, state=OPEN)) is NEAR
+
+
+def test_own_eyes_overrule_what_tags_say():
+    seen, told = view(known_to_x_m=30.0), view(known_to_x_m=30.0, claimed_to_x_m=30.0)
+    np.testing.assert_allclose(Waymark().worths(told), Waymark().worths(seen))
+
+
+@pytest.mark.parametrize("name", STRATEGIES)
+def test_every_strategy_weighs_all_it_sees_and_says_why(name):
+    strategy = STRATEGIES[name]()
+    for seen in (view(), view((FAR,)), view(known_to_x_m=15.0, claimed_to_x_m=20.0)):
+        worths = strategy.worths(seen)
+        assert worths.shape == (len(seen.frontiers),)
+        assert np.isfinite(worths).all()
+        assert strategy.reason(seen, 0)

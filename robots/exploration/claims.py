@@ -1,0 +1,111 @@
+"""What tags told of ground that others have covered, in this robot's map frame.
+
+Kept by tag and drawn where the tags are believed now, so it moves with the graph. What a robot sees itself
+overrules it: claims only speak of ground that is unknown in its own map.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robots.planning.plan_grid import UNKNOWN, PlanGrid
+from robots.se2 import Array
+from robots.tags.memory import CELL_M, CLOSED, TagMemory
+
+LATTICE_M = 0.5
+_PER_CELL = round(CELL_M / LATTICE_M)
+PlaceOf = Callable[[str], tuple[float, float] | None]  # of a tag in the map frame, None where unknown
+
+
+class Claims:
+    """The memories read so far, by tag."""
+
+    def __init__(self) -> None:
+        self._memories: dict[str, TagMemory] = {}
+
+    def hear(self, tag_id: str, memory: TagMemory) -> None:
+        """Take in what a tag of the mission says."""
+        known = self._memories.get(tag_id, TagMemory.empty())
+        self._memories[tag_id] = known.merge(TagMemory(memory.cells))
+
+    def survey(self, grid: PlanGrid, place_of: PlaceOf) -> Survey:
+        """Return what is unknown, here and to all whose word was read, as the tags lie now."""
+        share = max(1, round(LATTICE_M / grid.cell_m))
+        rows, columns = (-(-side // share) for side in grid.cells.shape)
+        unknown = np.ones((rows * share, columns * share))
+        unknown[: grid.cells.shape[0], : grid.cells.shape[1]] = grid.cells == UNKNOWN
+        unknown = unknown.reshape(rows, share, columns, share).mean(axis=(1, 3))
+        claimed = np.zeros((rows, columns), np.uint8)
+        for tag_id in sorted(self._memories):
+            place = place_of(tag_id)
+            if place is not None:
+                _draw(claimed, self._memories[tag_id].cells, place, grid.origin)
+        return Survey(unknown, claimed, grid.origin)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Survey:
+    """A lattice of ``LATTICE_M``: ``unknown`` (r, c), the share of each cell; ``claimed`` (r, c), its state.
+
+    Cell (0, 0) has its lower left corner at ``origin`` (x, y) in the map frame. Beyond it all is unknown.
+    """
+
+    unknown: Array
+    claimed: NDArray[np.uint8]
+    origin: tuple[float, float]
+
+    def shares(self, points_m: Array, within_m: float) -> tuple[Array, Array]:
+        """Return how much of the squares round points (n, 2) nobody has told of, and how much is claimed.
+
+        Shares (n,) of squares that reach ``within_m`` to every side; both speak of ground unknown here.
+        """
+        reach = round(within_m / LATTICE_M)
+        told = self.claimed == CLOSED
+        open_, claimed = (
+            _sums(part, self._cells(points_m), reach) for part in (~told * self.unknown, told * self.unknown)
+        )
+        size = float((2 * reach + 1) ** 2)
+        inside = _sums(np.ones_like(self.unknown), self._cells(points_m), reach)
+        return (open_ + size - inside) / size, claimed / size
+
+    def _cells(self, points_m: Array) -> NDArray[np.int64]:
+        found: Array = np.floor((points_m[:, ::-1] - np.array(self.origin[::-1])) / LATTICE_M)
+        return found.astype(np.int64)
+
+
+def _draw(
+    claimed: NDArray[np.uint8],
+    cells: NDArray[np.uint8],
+    place: tuple[float, float],
+    origin: tuple[float, float],
+) -> None:
+    """Draw a tag's window; rows of ``cells`` go along x, columns along y."""
+    half = len(cells) / 2.0 * CELL_M
+    fine = np.repeat(np.repeat(cells.T, _PER_CELL, axis=0), _PER_CELL, axis=1)  # rows along y
+    row = round((place[1] - half - origin[1]) / LATTICE_M)
+    column = round((place[0] - half - origin[0]) / LATTICE_M)
+    rows, columns = claimed.shape
+    top, left = max(row, 0), max(column, 0)
+    bottom, right = min(row + len(fine), rows), min(column + len(fine), columns)
+    if top < bottom and left < right:
+        part = claimed[top:bottom, left:right]
+        np.maximum(part, fine[top - row : bottom - row, left - column : right - column], out=part)
+
+
+def _sums(values: Array, cells: NDArray[np.int64], reach: int) -> Array:
+    """Return the sums over squares round cells (n, 2), cut off at the border."""
+    total = np.zeros((values.shape[0] + 1, values.shape[1] + 1))
+    total[1:, 1:] = values.cumsum(axis=0).cumsum(axis=1)
+    low = np.clip(cells - reach, 0, values.shape)
+    high = np.clip(cells + reach + 1, 0, values.shape)
+    sums: Array = (
+        total[high[:, 0], high[:, 1]]
+        - total[low[:, 0], high[:, 1]]
+        - total[high[:, 0], low[:, 1]]
+        + total[low[:, 0], low[:, 1]]
+    )
+    return sums

@@ -1,0 +1,91 @@
+"""What tags say of the ground is drawn where they lie, and counts where nothing is known."""
+
+import numpy as np
+import pytest
+
+from robots.exploration.claims import LATTICE_M, Claims
+from robots.planning.plan_grid import FREE, UNKNOWN, PlanGrid
+from robots.tags.memory import CLOSED, OPEN, UNSEEN, TagMemory
+
+ORIGIN = (-10.0, -10.0)
+
+
+def grid(known=None) -> PlanGrid:
+    """A map of 20 m by 20 m; ``known`` (x0, y0, x1, y1) is free."""
+    cells = np.full((200, 200), UNKNOWN, np.uint8)
+    if known is not None:
+        x0, y0, x1, y1 = (round((value + 10.0) * 10) for value in known)
+        cells[y0:y1, x0:x1] = FREE
+    return PlanGrid(cells, np.zeros_like(cells), ORIGIN, 0.1)
+
+
+def window(*cells, side=5) -> TagMemory:
+    """A memory with cells (north, west, state) from the tag."""
+    found = np.zeros((side, side), np.uint8)
+    for north, west, state in cells:
+        found[side // 2 + north, side // 2 + west] = state
+    return TagMemory(found)
+
+
+def drawn(survey) -> dict[tuple[float, float], int]:
+    """Lower left corners of the lattice's claimed cells, with their states."""
+    rows, columns = np.nonzero(survey.claimed)
+    return {
+        (ORIGIN[0] + c * LATTICE_M, ORIGIN[1] + r * LATTICE_M): int(survey.claimed[r, c])
+        for r, c in zip(rows, columns, strict=True)
+    }
+
+
+def test_a_window_is_drawn_round_its_tag_north_along_x():
+    claims = Claims()
+    claims.hear("A", window((2, 0, CLOSED), (0, 1, OPEN)))
+    survey = claims.survey(grid(), {"A": (1.5, 2.5)}.get)
+    assert drawn(survey) == {
+        **{(3.0 + dx, 2.0 + dy): CLOSED for dx in (0.0, 0.5) for dy in (0.0, 0.5)},
+        **{(1.0 + dx, 3.0 + dy): OPEN for dx in (0.0, 0.5) for dy in (0.0, 0.5)},
+    }
+
+
+def test_it_moves_with_the_tag_and_waits_while_nobody_knows_where_that_is():
+    claims = Claims()
+    claims.hear("A", window((0, 0, CLOSED), side=1))
+    assert drawn(claims.survey(grid(), {}.get)) == {}
+    for x, y in ((0.5, 0.5), (4.5, -3.5), (9.9, 9.9), (30.0, 0.0), (-10.2, 0.5)):
+        places = drawn(claims.survey(grid(), {"A": (x, y)}.get))
+        assert all(abs(px + 0.25 - x) <= 1.0 and abs(py + 0.25 - y) <= 1.0 for px, py in places)
+        assert len(places) == {0.5: 4, 4.5: 4, 9.9: 1, 30.0: 0, -10.2: 2}[x]
+
+
+def test_tags_add_up_and_read_again_they_say_no_less():
+    claims = Claims()
+    claims.hear("A", window((0, 0, OPEN), (1, 0, CLOSED)))
+    claims.hear("A", window((0, 0, CLOSED)))
+    claims.hear("B", window((0, 0, CLOSED)))
+    survey = claims.survey(grid(), {"A": (0.5, 0.5), "B": (0.5, 0.5)}.get)
+    assert set(drawn(survey).values()) == {CLOSED}
+    assert len(drawn(survey)) == 8
+    assert UNSEEN not in drawn(survey).values()
+
+
+def test_shares_speak_of_unknown_ground_alone_and_all_is_unknown_beyond_the_map():
+    claims = Claims()
+    claims.hear("A", TagMemory(np.full((31, 31), CLOSED, np.uint8)))
+    survey = claims.survey(grid((-10.0, -10.0, 0.0, 10.0)), {"A": (0.25, 0.25)}.get)
+    points = np.array([(-5.0, 0.0), (5.0, 0.0), (0.0, 0.0), (100.0, 0.0)])
+    untold, claimed = survey.shares(points, 3.0)
+    np.testing.assert_allclose(untold, [0.0, 0.0, 0.0, 1.0], atol=1e-9)
+    np.testing.assert_allclose(claimed, [0.0, 1.0, 7 / 13, 0.0], atol=1e-9)
+
+
+@pytest.mark.parametrize("point", [(0.0, 0.0), (9.9, 9.9), (-10.0, 3.0), (55.0, -80.0)])
+def test_shares_add_up_to_what_is_unknown(point):
+    rng = np.random.default_rng(3)
+    claims = Claims()
+    claims.hear("A", TagMemory(rng.integers(0, 3, (31, 31)).astype(np.uint8)))
+    cells = rng.integers(0, 3, (200, 200)).astype(np.uint8)
+    survey = claims.survey(PlanGrid(cells, np.zeros_like(cells), ORIGIN, 0.1), {"A": (1.0, 1.0)}.get)
+    untold, claimed = survey.shares(np.array([point]), 3.0)
+    row, column = (int((v + 10.0) // LATTICE_M) for v in point[::-1])
+    around = [(r, c) for r in range(row - 6, row + 7) for c in range(column - 6, column + 7)]
+    unknown = [survey.unknown[r, c] if 0 <= r < 40 and 0 <= c < 40 else 1.0 for r, c in around]
+    assert untold[0] + claimed[0] == pytest.approx(np.mean(unknown))
