@@ -147,3 +147,14 @@ def test_the_joint_map_is_a_function_of_the_reports() -> None:
     first, second = joint(graphs), joint(dict(reversed(graphs.items())))
     for name in graphs:
         np.testing.assert_array_equal(first.anchors[name], second.anchors[name])
+
+
+@pytest.mark.parametrize("field", ["ranges_m", "range_sds_m", "range_poses"])
+def test_a_report_with_ranges_that_are_no_numbers_is_left_out_and_told(field: str) -> None:
+    graphs = both(True)
+    broken = getattr(graphs["r2"], field).copy()
+    broken[7] = np.nan
+    solution = joint(graphs | {"r2": replace(graphs["r2"], **{field: broken})})
+    assert solution.located == {"r1"}
+    assert [notice.about for notice in solution.notices] == ["r2"]
+    assert errors("r1", solution.anchors["r1"]).mean() < 0.15
