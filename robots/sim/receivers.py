@@ -17,7 +17,7 @@ from robots.types import TagSighting
 UHF_TAGS_PER_S = 50.0  # Ziparo 2007 section 2
 _NODES, _RATES_HZ = (1.0, 4.0, 8.0), (28.6, 27.5, 16.5)  # Sun 2009 section 3
 _MOVED_M, _TURNED_RAD = 0.05, 0.1  # so far everything sounds as before
-_STATUS_EVERY_S = 1.0  # a tag's memory and sensors come with a reading so often
+_STATUS_EVERY_S = 1.0  # memory and sensors come with a reading so often, and after every write
 _SPIKE_DB = (10.0, 30.0)
 
 
@@ -47,6 +47,7 @@ class Receiver:
         self._at: tuple[Pose2, int] | None = None
         self._due_s: Array = np.zeros(0)  # (m,) when each node is heard next
         self._status_s: dict[int, float] = {}
+        self._memories: dict[int, bytes] = {}  # as last told, by tag
         self._credit = 0.0  # readings a reader of passive tags has time for
 
     def reaches(self, index: int) -> bool:
@@ -114,9 +115,10 @@ class Receiver:
 
     def _sighting(self, index: int, rssi_dbm: float, antenna: Antenna | None, clock_s: float) -> TagSighting:
         tag = self._field.tag(index)
-        if clock_s - self._status_s.get(index, -inf) < _STATUS_EVERY_S - 1e-9:
+        told = clock_s - self._status_s.get(index, -inf) < _STATUS_EVERY_S - 1e-9
+        if told and self._memories[index] == tag.memory:
             return TagSighting(tag.tag_id, rssi_dbm=rssi_dbm, antenna=antenna)
-        self._status_s[index] = clock_s
+        self._status_s[index], self._memories[index] = clock_s, tag.memory
         active = self._channel.hardware == "node"
         sensors = self._life.sensors(tag, clock_s, self._rng) if active else None
         return TagSighting(tag.tag_id, tag.memory, rssi_dbm=rssi_dbm, antenna=antenna, sensors=sensors)
