@@ -45,7 +45,9 @@ class Receiver:
         self._rng = rng
         self._signals_dbm: Array = np.zeros((0, 0))  # (a, m) as heard at ``_at``
         self._at: tuple[Pose2, int] | None = None
-        self._due_s: Array = np.zeros(0)  # (m,) when each node is heard next
+        self._due_s: Array = np.zeros(0)  # (m,) when each node is heard next, inf where it is not,
+        self._every_s = inf  # and then again about so often
+        self._tuned = False  # to the signals as they are now
         self._status_s: dict[int, float] = {}
         self._memories: dict[int, bytes] = {}  # as last told, by tag
         self._credit = 0.0  # readings a reader of passive tags has time for
@@ -82,6 +84,7 @@ class Receiver:
         self._at = (pose, self._field.version)
         antennas = self._channel.antennas(pose.x, pose.y, pose.theta)
         self._signals_dbm = self._channel.signals_dbm(antennas)
+        self._tuned = False
 
     def _inventory(self, dt_s: float) -> list[tuple[int, int]]:
         """Return what a reader with anti-collision reads: all within reach in turn, so many a second."""
@@ -95,23 +98,22 @@ class Receiver:
 
     def _broadcasts(self, clock_s: float) -> list[tuple[int, int]]:
         """Return the nodes that got through: each sends again after a random while."""
-        heard: NDArray[np.bool_] = self._signals_dbm.max(axis=0, initial=-inf) > -inf
-        count = int(heard.sum())
-        due = np.full(len(heard), inf)
-        due[: len(self._due_s)] = self._due_s
-        due[~heard] = inf
-        if count:
-            every_s = 1.0 / read_rate_hz(count)
+        due = self._due_s
+        if not self._tuned:
+            self._tuned = True
+            heard: NDArray[np.bool_] = self._signals_dbm.max(axis=0) > -inf
+            self._every_s = 1.0 / read_rate_hz(max(1, int(heard.sum())))
+            self._due_s = np.full(len(heard), inf)
+            self._due_s[: len(due)] = due
+            due = self._due_s
+            due[~heard] = inf
             fresh = heard & np.isinf(due)
-            due[fresh] = clock_s + every_s * self._rng.random(int(fresh.sum()))
-            sent: list[tuple[float, int]] = []
-            while (ready := np.flatnonzero(due <= clock_s)).size:
-                sent.extend(zip(due[ready].tolist(), ready.tolist(), strict=True))
-                due[ready] += every_s * self._rng.uniform(0.5, 1.5, ready.size)
-            self._due_s = due
-            return [(0, index) for _, index in sorted(sent)]
-        self._due_s = due
-        return []
+            due[fresh] = clock_s + self._every_s * self._rng.random(int(fresh.sum()))
+        sent: list[tuple[float, int]] = []
+        while (ready := (due <= clock_s).nonzero()[0]).size:
+            sent.extend(zip(due[ready].tolist(), ready.tolist(), strict=True))
+            due[ready] += self._every_s * self._rng.uniform(0.5, 1.5, ready.size)
+        return [(0, index) for _, index in sorted(sent)]
 
     def _sighting(self, index: int, rssi_dbm: float, antenna: Antenna | None, clock_s: float) -> TagSighting:
         tag = self._field.tag(index)
