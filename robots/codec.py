@@ -40,7 +40,7 @@ def encode(value: object) -> bytes:
     Raises:
         TypeError: it holds something that cannot be stored exactly.
     """
-    return json.dumps(_plain(value), separators=(",", ":")).encode()
+    return _ENCODER.encode(value).encode()
 
 
 def decode(data: bytes, expected: type[T]) -> T:
@@ -50,7 +50,7 @@ def decode(data: bytes, expected: type[T]) -> T:
         CodecError: the bytes are damaged, or hold another class than ``expected``.
     """
     try:
-        value = _rich(json.loads(data))
+        value = json.loads(data, object_hook=_rich)
     except (ValueError, KeyError, TypeError, RecursionError) as error:
         raise CodecError(f"not a stored {expected.__name__}: {error}") from error
     if not isinstance(value, expected):
@@ -63,36 +63,44 @@ def chained(digest: bytes, data: bytes) -> bytes:
     return sha256(digest + data).digest()
 
 
-def _plain(value: object) -> Any:
-    if value is None or isinstance(value, str | bool | int | float):
-        return value
-    if isinstance(value, bytes):
-        return {"b": base64.b64encode(value).decode()}
+def _plain(value: object) -> dict[str, Any]:
+    """Return what JSON's own types hold of a value that is not one of them, one level deep."""
+    names = _FIELDS.get(type(value))
+    if names is not None:
+        plain: dict[str, Any] = {"_": type(value).__name__}
+        for name in names:
+            plain[name] = item = getattr(value, name)
+            if type(item) is dict:
+                raise TypeError("cannot store a dict")
+        return plain
     if isinstance(value, np.ndarray):
         kind = value.dtype.kind + str(value.dtype.itemsize)
         if kind not in _DTYPES:
             raise TypeError(f"cannot store an array of {value.dtype}")
         data = np.ascontiguousarray(value).astype(_DTYPES[kind], copy=False).tobytes()
-        return {"a": kind, "s": list(value.shape), "b": base64.b64encode(data).decode()}
-    if isinstance(value, tuple | list):
-        return [_plain(item) for item in value]
-    if is_dataclass(value):
-        plain = {"_": type(value).__name__}
-        for item in fields(value):
-            plain[item.name] = _plain(getattr(value, item.name))
-        return plain
+        return {"a": kind, "s": value.shape, "b": base64.b64encode(data).decode()}
+    if isinstance(value, bytes):
+        return {"b": base64.b64encode(value).decode()}
     raise TypeError(f"cannot store a {type(value).__name__}")
 
 
-def _rich(plain: Any) -> Any:
-    if isinstance(plain, list):
-        return tuple(_rich(item) for item in plain)
-    if not isinstance(plain, dict):
-        return plain
+def _rich(plain: dict[str, Any]) -> Any:
+    """Return the value of a JSON object whose own objects are values already."""
+    name = plain.pop("_", None)
+    if name is not None:
+        return _CLASSES[name](
+            **{key: _tuples(item) if type(item) is list else item for key, item in plain.items()}
+        )
+    data = base64.b64decode(plain["b"], validate=True)
     if "a" in plain:
-        data = base64.b64decode(plain["b"], validate=True)
         return np.frombuffer(data, dtype=_DTYPES[plain["a"]]).reshape(plain["s"]).copy()
-    if "_" not in plain:
-        return base64.b64decode(plain["b"], validate=True)
-    cls = _CLASSES[plain.pop("_")]
-    return cls(**{name: _rich(item) for name, item in plain.items()})
+    return data
+
+
+def _tuples(items: list[Any]) -> tuple[Any, ...]:
+    return tuple(_tuples(item) if type(item) is list else item for item in items)
+
+
+_FIELDS = {cls: tuple(item.name for item in fields(cls)) for cls in _CLASSES.values()}
+# Values are frozen, so that none holds itself.
+_ENCODER = json.JSONEncoder(separators=(",", ":"), default=_plain, check_circular=False)

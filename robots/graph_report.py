@@ -38,7 +38,8 @@ class GraphReport:
     antenna in the vertex' frame; ``ranges_m`` (q,) as measured, ``range_sds_m`` (q,) their deviations;
     ``bearings_rad`` (q,) from the antenna and ``bearing_sds_rad`` (q,), NaN where the radio has no direction.
     ``range_scale`` and ``range_offsets_m`` (m,) of each tag: what was learnt of the radios so far, measured =
-    scale * true + offset.
+    scale * true + offset. ``range_scale_sd`` and
+    ``range_offset_sd_m``: how far radios of that kind are from 1 and 0.
     """
 
     poses: Array
@@ -69,3 +70,5 @@ class GraphReport:
     bearing_sds_rad: Array = field(default_factory=lambda: np.zeros(0))
     range_scale: float = 1.0
     range_offsets_m: Array = field(default_factory=lambda: np.zeros(0))
+    range_scale_sd: float = 0.1
+    range_offset_sd_m: float = 0.3

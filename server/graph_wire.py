@@ -4,13 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from robots.estimation.range_views import as_sightings
 from robots.graph_report import GraphReport, IntArray
 from robots.se2 import Array
 from server.schemas.findings import GraphEdgeOut, GraphVertexOut, RobotGraphOut
 
 
 def graph_out(robot_id: str, graph: GraphReport) -> RobotGraphOut:
-    """Return a robot's graph: poses, tags, and everything that was measured between them."""
+    """Return a robot's graph: poses, tags, and everything that was measured between them.
+
+    What was seen by range is a sighting where range and, without a bearing, the robot's own map put it.
+    """
+    graph = as_sightings(graph)
     poses = [
         GraphVertexOut(kind="pose", number=k, tag_id=None, x_m=x, y_m=y, yaw_rad=yaw, stamp_s=stamp)
         for k, ((x, y, yaw), stamp) in enumerate(

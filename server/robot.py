@@ -18,6 +18,7 @@ import numpy as np
 from db.records import RobotRecord, SnapshotRecord
 from db.store import Store
 from robots import codec
+from robots.config import AgentConfig
 from robots.graph_report import GraphReport
 from robots.se2 import Array, GaussianPose, Pose2
 from robots.types import AgentUpdate, Command, Observation
@@ -97,6 +98,11 @@ class Robot:
     snapshot_seq: int = -1
     snapshot_at_s: float = field(default_factory=time.monotonic)
     snapshot_task: asyncio.Task[None] | None = None
+    slam: str = field(init=False)
+
+    def __post_init__(self) -> None:
+        """Look up the kind of SLAM that its agent was told."""
+        self.slam = codec.decode(self.record.config, AgentConfig).slam
 
     @property
     def robot_id(self) -> str:
@@ -215,6 +221,7 @@ def robot_value(robot: Robot) -> dict[str, object] | None:
         "battery": robot.battery,
         "tags_left": update.tags_left,
         "agent": robot.record.agent,
+        "slam": robot.slam,
         "stopped": robot.stopped,
         "link": robot.link,
         "slipping": update.slipping,

@@ -12,6 +12,7 @@ import numpy as np
 from robots.agent import ObservationError, RobotAgent
 from robots.config import AgentConfig
 from robots.datasets.recording import Recording
+from robots.estimation.range_views import as_sightings
 from robots.graph_report import GraphReport
 from robots.overrides import override
 from robots.se2 import Array
@@ -180,9 +181,9 @@ class _Day:
 
 def _without_loops(update: AgentUpdate) -> AgentUpdate:
     """Return the update with a graph that only places each tag where it was first seen."""
-    graph = update.graph
-    if graph is None:
+    if update.graph is None:
         return update
+    graph = as_sightings(update.graph)
     _, first = np.unique(graph.sighting_pairs[:, 1], return_index=True)
     return replace(
         update,

@@ -129,7 +129,9 @@ class FilterSlam(TrackedSlam):
         """Return the graph as it leaves the process."""
         places = self._places()
         offsets = {tag_id: self._filter.range_offset(tag_id) for tag_id in places}
-        return self._log.report(self._anchors, places, self._filter.range_scale, offsets)
+        report = self._log.report(self._anchors, places, self._filter.range_scale, offsets)
+        radio = self._config.rslam
+        return replace(report, range_scale_sd=radio.scale_sd, range_offset_sd_m=radio.offset_sd_m)
 
     def smoothed(self) -> GraphReport:
         """Return the graph as a batch solve of all that was recorded has it; nothing changes here."""

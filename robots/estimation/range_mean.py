@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from math import cos, hypot, sin, sqrt
+from math import cos, sin, sqrt
 from typing import Any
 
 import numpy as np
@@ -13,35 +13,46 @@ from robots.se2 import Array, GaussianPose, wrap
 
 
 class RangeMean:
-    """The sightings of one tag from about one place: they share their errors, so their mean counts as one."""
+    """The sightings of one tag from about one place: they share their errors, so their mean counts as one.
+
+    Those made nearer to the anchor are known better with respect to it, and weigh more.
+    """
 
     def __init__(self) -> None:
-        self.count = 0
+        self._weights = 0.0
         self.pose = np.zeros(3)  # of the antenna in the anchor's frame
         self.range_m = self.variance = 0.0
         self.bearing: float | None = None
-        self.bearing_sd: float | None = None
+        self.bearing_variance = 0.0
+        self._row: tuple[float, ...] = ()
 
     def add(self, sighting: RangeSighting, anchor_from_base: GaussianPose) -> None:
         """Take in a sighting made from a pose of the base in the anchor's frame, with that one's error."""
         antenna = (anchor_from_base.mean @ sighting.base_from_antenna).as_array()
         along, across = _spread_of_base(sighting, antenna[2], anchor_from_base.covariance)
-        self.count += 1
-        share = 1.0 / self.count
-        turn = wrap(antenna[2] - self.pose[2]) if self.count > 1 else antenna[2]
+        bearing_sd = sighting.bearing_sd_rad or 1.0
+        weight = 1.0 / (1.0 + along / sighting.range_sd_m**2 + across / bearing_sd**2)
+        self._weights += weight
+        share = weight / self._weights
+        turn = wrap(antenna[2] - self.pose[2]) if share < 1.0 else antenna[2]
         self.pose += np.array([*(antenna[:2] - self.pose[:2]), turn]) * share
         self.range_m += (sighting.range_m - self.range_m) * share
         self.variance += (sighting.range_sd_m**2 + along - self.variance) * share
         if sighting.bearing_rad is not None:
-            self.bearing_sd = hypot(sighting.bearing_sd_rad or 0.0, sqrt(across))
+            self.bearing_variance += (bearing_sd**2 + across - self.bearing_variance) * share
             before = sighting.bearing_rad if self.bearing is None else self.bearing
             self.bearing = before + wrap(sighting.bearing_rad - before) * share
+        self._row = self._made_row()
 
+    @property
     def row(self) -> tuple[float, ...]:
-        """Return antenna (3), range, its deviation, bearing and its deviation; NaN where there is none."""
+        """Antenna (3), range, its deviation, bearing and its deviation; NaN where there is none."""
+        return self._row
+
+    def _made_row(self) -> tuple[float, ...]:
         bearing = np.nan if self.bearing is None else wrap(self.bearing)
-        bearing_sd = np.nan if self.bearing_sd is None else self.bearing_sd
-        return (*self.pose, self.range_m, sqrt(self.variance), bearing, bearing_sd)
+        bearing_sd = np.nan if self.bearing is None else sqrt(self.bearing_variance)
+        return (*self.pose.tolist(), self.range_m, sqrt(self.variance), bearing, bearing_sd)
 
 
 def _spread_of_base(sighting: RangeSighting, facing_rad: float, covariance: Array) -> tuple[float, float]:
@@ -56,7 +67,7 @@ def _spread_of_base(sighting: RangeSighting, facing_rad: float, covariance: Arra
 
 def table(means: Mapping[tuple[int, int], RangeMean]) -> dict[str, Any]:
     """Return the fields of a ``GraphReport`` that hold ranges, of means by (anchor, tag index)."""
-    rows = np.array([mean.row() for mean in means.values()], np.float64).reshape(-1, 7)
+    rows = np.array([mean.row for mean in means.values()], np.float64).reshape(-1, 7)
     return {
         "range_pairs": np.array(list(means), np.int64).reshape(-1, 2),
         "range_poses": rows[:, :3].copy(),

@@ -33,7 +33,8 @@ from robots.estimation.range_views import RangeViews, tangents
 from robots.graph_report import IntArray
 from robots.se2 import Array, wrap_array
 
-_SCALE_SD, _OFFSET_SD_M, _MOUNT_SD_RAD = 0.1, 0.2, 0.02  # of radios and cameras nobody calibrated
+_MOUNT_SD_RAD = 0.02  # of an instrument that nobody calibrated
+_LEAST_SD = 1e-4  # of a scale or an offset that is given as known
 _ROUNDS, _STEPS = 4, 15  # deviations and shares are set anew each round
 _SETTLED = 1e-6  # of the cost: less is no gain
 _FIRST_DAMPING, _MOST_DAMPING = 1e-6, 1e9
@@ -109,13 +110,16 @@ class _Batch:
         self._equations = Equations(slot, turned, *blocks)
         own = len(pairs) + np.arange(count)
         free = np.unique(seen[np.isnan(views.bearings_rad)])
-        priors = np.concatenate([free, np.unique(radios)])
+        used = np.unique(views.radios)
+        priors = np.concatenate([free, self._poses + self._tags + used])
         means = self.state[priors].copy()
         means[: len(free), 2] = 0.0
         means[len(free) :] = (1.0, 0.0, 0.0)
         weights = np.zeros((len(priors), 3))
-        weights[: len(free), 2] = _OFFSET_SD_M**-2
-        weights[len(free) :] = (_SCALE_SD**-2, _MOUNT_SD_RAD**-2, 1.0)
+        offset_sds = np.maximum(views.offset_sds_m[free - self._poses], _LEAST_SD)
+        weights[: len(free), 2] = offset_sds**-2.0
+        weights[len(free) :] = (1.0, _MOUNT_SD_RAD**-2, 1.0)
+        weights[len(free) :, 0] = np.maximum(views.scale_sds[used], _LEAST_SD) ** -2.0
         return Ranges(
             poses=poses.copy(),
             seen=seen.copy(),

@@ -18,6 +18,7 @@ from robots.se2 import Array
 
 _ANYWHERE_M = 100.0  # deviation along the circle
 _LEAST_SD_M = 1e-4
+_KERNEL_CHI2 = 9.0  # what is farther off than that counts for less
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -27,7 +28,7 @@ class RangeViews:
     ``links``: the graph's links (edges, then sightings) that stand for them; ``radios``: which of k
     instruments; ``series``: rows of one number are of one instrument and one thing seen; ``arms`` (q, 3) the
     antenna in the frame of the pose; ``range_sds_m`` at the range measured; ``scales`` (k,) and ``offsets_m``
-    (m,) of each tag: what is believed to begin with.
+    (m,) of each tag: what is believed to begin with; their deviations are those about 1 and 0.
     """
 
     links: IntArray
@@ -40,7 +41,9 @@ class RangeViews:
     bearings_rad: Array
     bearing_sds_rad: Array
     scales: Array
+    scale_sds: Array
     offsets_m: Array
+    offset_sds_m: Array
 
     def sds_at(self, expected_m: Array) -> Array:
         """Return the deviations (q,) of ranges that ought to have been ``expected_m`` (q,).
@@ -74,7 +77,9 @@ def views_of(report: GraphReport, links_from: int) -> RangeViews:
         bearings_rad=report.bearings_rad,
         bearing_sds_rad=report.bearing_sds_rad,
         scales=np.array([report.range_scale]),
+        scale_sds=np.array([report.range_scale_sd]),
         offsets_m=offsets if len(offsets) == len(report.tag_ids) else np.zeros(len(report.tag_ids)),
+        offset_sds_m=np.full(len(report.tag_ids), report.range_offset_sd_m),
     )
 
 
@@ -125,8 +130,13 @@ def tangents(graph: GraphProblem, views: RangeViews, state: Array, ranges: Range
     poses, information = graph.edge_poses.copy(), graph.edge_information.copy()
     met = views.links[~seen]
     poses[met, :2] = places[~seen]
-    information[met, :2, :2] = np.linalg.inv(spreads[~seen])
-    return replace(graph, edge_poses=poses, edge_information=information)
+    away = (errors / np.column_stack([ranges.sds, ranges.bearing_sds]))[~seen] ** 2
+    believed = np.minimum(1.0, _KERNEL_CHI2 / np.maximum((ranges.shares[~seen] * away).sum(axis=1), 1e-12))
+    information[met, :2, :2] = np.linalg.inv(spreads[~seen]) * believed[:, None, None]
+    robust = None if graph.edge_robust is None else graph.edge_robust.copy()
+    if robust is not None:
+        robust[met] = False  # the batch has let go of what is wrong
+    return replace(graph, edge_poses=poses, edge_information=information, edge_robust=robust)
 
 
 def _directions(poses: Array, arms: Array, tags: Array, bearings: Array | float) -> Array:

@@ -7,6 +7,8 @@ laser closes the loop there precisely.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from robots.config import AgentConfig
@@ -106,7 +108,10 @@ class TagSlam(TrackedSlam):
         here = self.anchor_from_base
         for sighting in seen:
             ranged = self._ranging.range(sighting, observation.stamp_s, self.distance_m)
-            known |= ranged is not None and self._graph.add_range(ranged, here)
+            if ranged is not None:
+                known |= self._graph.add_range(ranged, here)
+                placed = seen_from_anchor(replace(sighting, range_m=ranged.range_m), here, self._config)
+                self._may_close_loop(sighting.tag_id, *placed)
         for robot in met:
             place = seen_from_anchor(robot, here, self._config)
             self._graph.add_meeting(robot.robot_id, observation.stamp_s, *place, here.mean)
@@ -135,10 +140,13 @@ class TagSlam(TrackedSlam):
     def _see(self, tag_id: str, place_m: tuple[float, float], covariance: Array) -> bool:
         """Note a sighting, given in the newest anchor's frame; say whether it is news of a known tag."""
         news = self._graph.add_sighting(tag_id, place_m, covariance)
+        self._may_close_loop(tag_id, place_m, covariance)
+        return news
+
+    def _may_close_loop(self, tag_id: str, place_m: tuple[float, float], covariance: Array) -> None:
         if self._closes_loops:
             tag = self._graph.tags[tag_id][0]
             self._loops.sighted(Sighting(self.anchor, tag, place_m, covariance, self.distance_m))
-        return news
 
     def _close_loop(self) -> bool:
         if not self._closes_loops:

@@ -12,6 +12,7 @@ from robots.estimation.blunders import way_tests
 from robots.estimation.graph import Marginals
 from robots.estimation.graph_problem import GraphError, assemble
 from robots.estimation.range_smoothing import smooth_ranges
+from robots.estimation.range_views import as_sightings
 from robots.estimation.tag_trust import Judgement, judge
 from robots.graph_report import GraphReport
 from robots.se2 import Array, Pose2, wrap
@@ -71,8 +72,9 @@ def solve_together(
         return JointSolution(anchors, notices=tuple(notices))
     meetings = meetings_of(sound, histories)
     lasers.begin()
-    frames = join_frames(sound, starts, meetings, lambda a, b, tag: lasers.at_tag(a, b, tag, sound, submaps))
-    loops = lasers.between(sound, submaps, frames)
+    placed = {name: as_sightings(graph) for name, graph in sound.items()}
+    frames = join_frames(sound, starts, meetings, lambda a, b, tag: lasers.at_tag(a, b, tag, placed, submaps))
+    loops = lasers.between(placed, submaps, frames)
     lasers.end()
     tied = _agreeing(sound, frames)
 

@@ -29,7 +29,7 @@ def joint_views(
     ``met_from``: the edge before which the edges of the meetings begin, two of each: where the other was by
     its own account, and what the seer saw. ``edges``: how many there are before the sightings.
     """
-    offsets = np.zeros(len(tag_index))
+    offsets, offset_sds = np.zeros(len(tag_index)), np.ones(len(tag_index))
     parts, begin = [], edges
     for radio, name in enumerate(names):
         graph = graphs[name]
@@ -38,6 +38,7 @@ def joint_views(
         begin += len(views.links)
         to_team = np.array([tag_index[tag] for tag in graph.tag_ids], np.int64)
         offsets[to_team] = views.offsets_m
+        offset_sds[to_team] = views.offset_sds_m
         series = to_team[views.series] if len(views.series) else views.series
         parts.append((views, np.full(len(views.links), radio), radio * len(tag_index) + series))
     if not any(len(views.links) for views, _, _ in parts):
@@ -48,13 +49,15 @@ def joint_views(
     rows = {
         item.name: np.concatenate([getattr(views, item.name) for views, _, _ in parts])
         for item in fields(RangeViews)
-        if item.name not in ("radios", "series", "scales", "offsets_m")
+        if item.name not in ("radios", "series", "scales", "scale_sds", "offsets_m", "offset_sds_m")
     }
     return RangeViews(
         radios=np.concatenate([radios for _, radios, _ in parts]),
         series=np.concatenate([series for _, _, series in parts]),
         scales=np.array([graphs[name].range_scale for name in names]),
+        scale_sds=np.array([graphs[name].range_scale_sd for name in names]),
         offsets_m=offsets,
+        offset_sds_m=offset_sds,
         **rows,
     )
 
@@ -86,6 +89,8 @@ def _met(
         bearings_rad=table[:, 5],
         bearing_sds_rad=table[:, 6],
         scales=np.zeros(0),
+        scale_sds=np.zeros(0),
         offsets_m=np.zeros(0),
+        offset_sds_m=np.zeros(0),
     )
     return views, seers, len(names) * len(tag_index) + seers * len(names) + seen

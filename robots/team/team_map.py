@@ -131,7 +131,9 @@ class TeamMap:
             graph = self._members[name].graph
             if graph is None:
                 continue
-            order = [graph.tag_ids[int(tag)] for _, tag in graph.sighting_pairs]
+            seen = np.concatenate([graph.sighting_pairs, graph.range_pairs])
+            seen = seen[np.argsort(seen[:, 0], kind="stable")]
+            order = [graph.tag_ids[int(tag)] for _, tag in seen]
             for a, b in pairwise(order):
                 if a != b:
                     pairs.add((min(a, b), max(a, b)))

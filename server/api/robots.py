@@ -82,6 +82,7 @@ def _out(robot: Robot) -> RobotOut:
     return RobotOut(
         robot_id=record.robot_id,
         agent=record.agent,
+        slam=robot.slam,
         silence=SilenceWire(after_s=record.silence_after_s, policy=record.silence_policy),
         start_pose=None
         if start is None

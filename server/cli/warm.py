@@ -17,4 +17,6 @@ def warm() -> None:
     began = perf_counter()
     warm_up()
     solve(run(ScenarioConfig(map="office:60", robots=2, minutes=0.2, victims=1)))
+    slam = (("r1", "ekf"), ("r2", "rslam"))
+    run(ScenarioConfig(map="office:60", robots=2, minutes=0.1, tags="node", tags_in_place=6, slam=slam))
     say(f"Kernels are ready ({perf_counter() - began:.1f} s).")

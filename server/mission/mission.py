@@ -16,6 +16,7 @@ from db.errors import DatabaseError
 from db.records import MissionRecord, ObservationRecord, RobotRecord
 from db.store import Store
 from robots import codec
+from robots.estimation.range_views import as_sightings
 from robots.team import TeamGrid
 from robots.types import AgentUpdate, Observation
 from server.agents.host import Answer
@@ -223,7 +224,8 @@ class Mission:
         graphs = [update.graph for update in updates if update.graph is not None]
         if graphs:
             try:
-                await self._store.graphs.record_graph(self.mission_id, robot.robot_id, graphs[-1])
+                graph = as_sightings(graphs[-1])
+                await self._store.graphs.record_graph(self.mission_id, robot.robot_id, graph)
             except DatabaseError as error:
                 log.error("a graph could not be saved", robot_id=robot.robot_id, reason=str(error))
         writes = [write for update in updates for write in update.command.writes]

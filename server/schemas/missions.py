@@ -75,7 +75,7 @@ class RobotIn(Wire):
                     "agent": "onboard",
                     "silence": {"after_s": 5.0, "policy": "go_on"},
                     "start_pose": {"x_m": 1.0, "y_m": 2.5, "yaw_rad": 0.0, "sd_m": 0.1, "sd_rad": 0.02},
-                    "config": {"body": {"radius_m": 0.3}},
+                    "config": {"body": {"radius_m": 0.3}, "slam": "ekf"},
                 },
             ]
         }
@@ -93,6 +93,7 @@ class RobotOut(Wire):
 
     robot_id: str
     agent: AgentPlace
+    slam: str = Field(description="The kind of SLAM of its agent, as in config.slam.")
     silence: SilenceWire
     start_pose: StartPoseWire | None
     next_seq: int = Field(description="The seq of the observation that is expected next.")

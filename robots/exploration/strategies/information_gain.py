@@ -21,4 +21,4 @@ class InformationGain:
     def reason(self, view: ExplorationView, index: int) -> str:
         """Return how much is to be seen."""
         untold, claimed = view.survey.shares(goals_of(view)[index : index + 1], SEEN_M)
-        return f"an edge of the unknown that opens about {(untold + claimed)[0] * SQUARE_M2:.0f} m2"
+        return f"see about {(untold + claimed)[0] * SQUARE_M2:.0f} m² of new ground"

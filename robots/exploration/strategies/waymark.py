@@ -25,5 +25,5 @@ class Waymark:
         """Return how much is to be seen, or that tags say otherwise."""
         untold, claimed = view.survey.shares(goals_of(view)[index : index + 1], SEEN_M)
         if claimed[0] > untold[0]:
-            return "an edge that tags call covered, as nothing better is left"
-        return f"an edge of the unknown that opens about {untold[0] * SQUARE_M2:.0f} m2"
+            return "check ground that tags call covered"
+        return f"see about {untold[0] * SQUARE_M2:.0f} m² of new ground"

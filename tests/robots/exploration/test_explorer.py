@@ -7,6 +7,7 @@ from robots.config import AgentConfig, PlanningConfig
 from robots.exploration.explorer import Explorer
 from robots.mapping.fused import FusedGrid
 from robots.se2 import Pose2
+from robots.tags.memory import CLOSED, OPEN, TagMemory
 
 CONFIG = AgentConfig(planning=PlanningConfig(explore="nearest"))
 FREE, WALL = -20, 40
@@ -170,3 +171,38 @@ def test_stuck_again_and_again_it_gives_way_for_a_while_and_then_goes_on():
     assert (waiting.linear_mps, waiting.angular_radps) == (0.0, 0.0)
     assert waiting.reason == decision.reason
     assert decide(explorer, now_s + 16.0, aside, fused).goal_m is not None
+
+
+def corridor() -> FusedGrid:
+    """A corridor of 20 m by 2 m along x, seen from 8 m to 13 m: its left edge is nearer to the middle."""
+    cells = np.full((40, 400), 0, np.int16)
+    cells[2:-2, 160:260] = FREE
+    cells[[0, 1, -2, -1]] = WALL
+    fused = FusedGrid(0.05)
+    fused.put("corridor", 0, Pose2(), cells)
+    return fused
+
+
+def covered(state=CLOSED) -> TagMemory:
+    return TagMemory(np.full((9, 9), state, np.uint8))
+
+
+def goal_after(memory: TagMemory | None, place=(4.0, 1.0)) -> float:
+    """The goal's x of a robot in the middle of the corridor that has read a tag at ``place``."""
+    explorer = Explorer(AgentConfig())
+    if memory is not None:
+        explorer.claims.hear("A", memory)
+    decision = explorer.decide(0.0, Pose2(10.0, 1.0, 0.0), corridor(), None, False, False, {"A": place}.get)
+    assert decision.activity == "exploring"
+    return decision.goal_m[0]
+
+
+def test_a_tag_that_calls_ground_covered_sends_the_next_robot_the_other_way():
+    assert goal_after(None) == pytest.approx(8.0, abs=0.2)
+    assert goal_after(covered()) == pytest.approx(12.95, abs=0.2)
+    assert goal_after(covered(OPEN)) == pytest.approx(8.0, abs=0.2)  # somebody saw more that way
+
+
+def test_tags_that_call_everything_covered_trap_nobody():
+    everywhere = TagMemory(np.full((31, 31), CLOSED, np.uint8))
+    assert goal_after(everywhere, (10.0, 1.0)) == pytest.approx(8.0, abs=0.2)

@@ -37,10 +37,8 @@ def test_the_nearest_is_taken_however_wide_the_others_are():
 def test_a_little_more_way_is_worth_much_more_to_see():
     assert best(InformationGain(), view()) is NEAR
     assert best(InformationGain(), view(known_to_x_m=8.0)) is FAR
-    assert (
-        InformationGain().reason(view(known_to_x_m=30.0), 1) == "an edge of the unknown that opens about 0 m2"
-    )
-    assert InformationGain().reason(view(), 1) == "an edge of the unknown that opens about 36 m2"
+    assert InformationGain().reason(view(known_to_x_m=30.0), 1) == "see about 0 m² of new ground"
+    assert InformationGain().reason(view(), 1) == "see about 36 m² of new ground"
 
 
 def test_what_others_covered_is_left_to_the_last_and_only_by_waymark():
@@ -48,8 +46,8 @@ def test_what_others_covered_is_left_to_the_last_and_only_by_waymark():
     assert best(InformationGain(), seen) is NEAR
     assert best(Waymark(), seen) is FAR
     assert best(Waymark(), view((NEAR,), claimed_to_x_m=12.0)) is NEAR
-    assert Waymark().reason(seen, 0) == "an edge that tags call covered, as nothing better is left"
-    assert Waymark().reason(seen, 1) == "an edge of the unknown that opens about 36 m2"
+    assert Waymark().reason(seen, 0) == "check ground that tags call covered"
+    assert Waymark().reason(seen, 1) == "see about 36 m² of new ground"
 
 
 def test_ground_with_an_open_frontier_is_no_claim():

@@ -4,7 +4,6 @@ from itertools import cycle
 
 import pytest
 
-from robots import codec
 from robots.client import RobotClient
 from robots.config import AgentConfig
 from robots.sim.hostile import HostileConfig
@@ -115,8 +114,9 @@ def test_a_mixed_team_among_nodes_finds_the_fire(control):
     result = play(scenario, url, "mixed", speed=0.0, client_type=RobotClient)
     assert result.clock_s == pytest.approx(24.0)
     mission = control.missions.get("mixed")
-    told = [codec.decode(r.record.config, AgentConfig).slam for r in mission.roster.robots.values()]
-    assert sorted(told) == sorted(kinds)
+    robots = control.call("GET", "/missions/mixed/robots").json()["robots"]
+    assert [robot["slam"] for robot in robots] == kinds
+    assert [robot["state"]["slam"] for robot in robots] == kinds
     nodes = mission.board.of_kind("node")
     assert len(nodes) >= 10
     assert "hot" in {alert.kind for alert in mission.nodes.alerts()}

@@ -88,6 +88,13 @@ function RobotCard({ robot, store, stops, isCompact, onSelect }) {
     </li>`;
 }
 
+/** Kinds of SLAM other than the usual one: short name and what it is. @type {Record<string, [string, string]>} */
+const SLAM_KINDS = {
+  ekf: ["EKF", "Kalman filter over tags heard by radio"],
+  rslam: ["RSLAM", "Particles over ranges to nodes"],
+  odometry: ["Odometry", "Dead reckoning and scan matching alone"],
+};
+
 /** The robot's state in words; a short card has room for the one that matters most. */
 /** @param {{robot: Robot, isLost: boolean, isCompact: boolean}} props */
 function State({ robot, isLost, isCompact }) {
@@ -99,6 +106,8 @@ function State({ robot, isLost, isCompact }) {
     ${slipping}
     ${!isCompact && !robot.located && html`<span class="badge" title="Not yet joined to the team's map">
       Not located</span>`}
+    ${!isCompact && SLAM_KINDS[robot.slam ?? ""] && html`<span class="badge" title=${SLAM_KINDS[robot.slam ?? ""][1]}>
+      ${SLAM_KINDS[robot.slam ?? ""][0]}</span>`}
     ${!isCompact && robot.agent === "onboard" && html`<span class="badge" title="Decides on board">On board</span>`}
   </span>`;
 }

@@ -5,7 +5,7 @@
  *   stopped_all?: boolean}} Mission
  * @typedef {{robot_id: string, x_m: number, y_m: number, yaw_rad: number, covariance: number[], stamp_s: number,
  *   heard_unix_s: number | null, activity: string, reason: string, battery: number | null, tags_left: number | null,
- *   agent: string, stopped: boolean, link: "live" | "late" | "lost", slipping: boolean, located: boolean,
+ *   agent: string, slam?: string, stopped: boolean, link: "live" | "late" | "lost", slipping: boolean, located: boolean,
  *   explored_m2: number, distance_m: number, goal_m: [number, number] | null, path_m: [number, number][],
  *   speed_mps: number | null}} Robot
  * @typedef {{robot_id: string, points_m: [number, number][]}} Trail
