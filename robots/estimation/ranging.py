@@ -28,10 +28,9 @@ class Ranging:
         Raises:
             ValueError: the signal is not finite.
         """
+        median_m = log_sd = None
         direction = self._model.direction(sighting.antenna)
         bearing, bearing_sd = direction.bearing_rad, direction.bearing_sd_rad
-        log_sd: float | None = None
-        median_m: float | None = None
         if sighting.range_m is not None:
             range_m = sighting.range_m
             deviation = self._ranging.range_sd_m + self._ranging.range_sd_per_m * range_m
@@ -42,7 +41,8 @@ class Ranging:
             if mean is None:
                 return None
             told = self._model.range_of(mean.rssi_dbm, mean.readings)
-            range_m, deviation, log_sd, median_m = told.range_m, told.sd_m, told.log_sd, told.median_m
+            range_m, deviation = told.range_m, told.sd_m
+            median_m, log_sd = told.median_m, told.log_sd
         else:
             return None
         return RangeSighting(
@@ -53,8 +53,8 @@ class Ranging:
             bearing,
             bearing_sd,
             direction.base_from_antenna,
-            log_sd,
             median_m,
+            log_sd,
             independent=sighting.range_m is None,  # the mean of a place of its own
         )
 

@@ -11,6 +11,7 @@ from robots.experiments import (
     sun_radio,
     sun_table1,
     sun_table2,
+    ziparo_table2,
 )
 from robots.experiments.experiment import Experiment
 
@@ -23,6 +24,7 @@ _ALL: tuple[Experiment, ...] = (
     sun_radio.EXPERIMENT,
     sun_table1.EXPERIMENT,
     sun_table2.EXPERIMENT,
+    ziparo_table2.EXPERIMENT,
     consistency.EXPERIMENT,
 )
 
