@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from robots.experiments import consistency, kleiner_cellar, kleiner_slam, kleiner_time, slip
+from robots.experiments import consistency, kleiner_cellar, kleiner_slam, kleiner_time, slip, ziparo_table2
 from robots.experiments.experiment import Experiment
 
 _ALL: tuple[Experiment, ...] = (
@@ -11,6 +11,7 @@ _ALL: tuple[Experiment, ...] = (
     kleiner_time.EXPERIMENT,
     kleiner_cellar.EXPERIMENT,
     slip.EXPERIMENT,
+    ziparo_table2.EXPERIMENT,
     consistency.EXPERIMENT,
 )
 
