@@ -16,7 +16,7 @@ from robots.estimation.ekf_anchors import HungAnchors
 from robots.estimation.ekf_maps import join_map, own_map, tag_belief
 from robots.estimation.ekf_state import TagState
 from robots.estimation.ekf_trust import TagTrust, plausible, plausible_belief
-from robots.estimation.ekf_waiting import WaitingRoom
+from robots.estimation.ekf_waiting import WaitingRoom, range_of
 from robots.estimation.tag_filter import RangeSighting
 from robots.se2 import Array, GaussianPose, Pose2
 from robots.tags.map_memory import TagBelief, WriterMap
@@ -141,17 +141,18 @@ class EkfFilter:
         return (self._own,) if self._joined is None else (self._own, self._joined)
 
     def _thinning(self, sighting: RangeSighting) -> float:
-        """Return by how much more a sighting's variance counts since its error is that of the last one.
+        """Return how many times a sighting's variances count, since errors last.
 
         Errors that fade as exp(-t / T) tell as much as white ones whose variance is (1 + rho) / (1 - rho)
         times as large, with rho = exp(-dt / T).
         """
         last_s = self._seen_s.get(sighting.tag_id)
         self._seen_s[sighting.tag_id] = sighting.stamp_s
-        if last_s is None or sighting.independent or self._config.error_lasts_s <= 0.0:
+        if last_s is None or self._config.error_lasts_s <= 0.0:
             return 1.0
         rho = exp(-max(sighting.stamp_s - last_s, _SAME_S) / self._config.error_lasts_s)
-        return (1.0 + rho) / (1.0 - rho)
+        lasting = (1.0 + rho) / (1.0 - rho)
+        return 1.0 if sighting.independent else lasting
 
     def _correct(self, state: TagState, trust: TagTrust, sighting: RangeSighting, thin: float) -> None:
         tag_id = sighting.tag_id
@@ -232,7 +233,8 @@ class EkfFilter:
 def _numbers(sighting: RangeSighting) -> tuple[Array, Array]:
     bearing, sd = sighting.bearing_rad, sighting.bearing_sd_rad
     variance = inf if bearing is None or sd is None else sd**2
-    seen = np.array([sighting.range_m, sighting.range_sd_m**2, bearing or 0.0, variance])
+    range_m, log_sd = range_of(sighting)
+    seen = np.array([range_m, sighting.range_sd_m**2, bearing or 0.0, variance, log_sd])
     return sighting.base_from_antenna.as_array(), seen
 
 

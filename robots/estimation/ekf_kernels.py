@@ -18,7 +18,7 @@ cross.T @ told @ cross, and a shift of cross.T @ moved, with ``cross`` (m, far) 
 
 from __future__ import annotations
 
-from math import atan2, cos, hypot, pi, sin, sqrt
+from math import atan2, cos, hypot, log, pi, sin, sqrt
 
 import numpy as np
 from numba import njit
@@ -91,11 +91,12 @@ def see(
 ) -> tuple[float, float]:
     """Correct by a sighting of the tag at index ``tag``.
 
-    ``seen``: range, its variance, bearing, its variance (infinite where there is none). The Jacobian by the
-    errors is e for the range and J e / r for the bearing, with opposite signs for pose and tag: the heading
-    does not enter. The variances count ``thin`` times, where an error is that of the sightings before. Where
-    the innovation is beyond ``gate`` (squared, in deviations, as of one sighting alone) its covariance is
-    inflated by the excess: a wild sighting pulls little, and none is locked out.
+    ``seen``: range, its variance, bearing, its variance (infinite where there is none), and the deviation of
+    the range's logarithm where that is what is normal, else 0: then the innovation is r ln(range / r). The
+    Jacobian by the errors is e for the range and J e / r for the bearing, with opposite signs for pose and
+    tag: the heading does not enter. The variances count ``thin`` times, as errors are those of the sightings
+    before. Where the innovation is beyond ``gate`` (squared, in deviations, as of one sighting alone) its
+    covariance is inflated by the excess: a wild sighting pulls little, and none is locked out.
 
     Returns that squared innovation, and the turn of the map.
     """
@@ -104,27 +105,36 @@ def see(
     h = np.empty((2, 2))
     h[0, 0], h[0, 1] = ex, ey
     h[1, 0], h[1, 1] = -ey / r, ex / r
-    white, told_h = np.empty((rows, n)), np.empty((rows, kept.shape[1]))
-    for k in range(rows):
+    white, told_h = np.empty((2, n)), np.empty((2, kept.shape[1]))
+    for k in range(2):
         hx, hy = h[k, 0], h[k, 1]
         for j in range(n):
             white[k, j] = hx * (cov[tag, j] - cov[1, j]) + hy * (cov[tag + 1, j] - cov[2, j])
         for j in range(kept.shape[1]):
             told_h[k, j] = hx * (kept[tag, j] - kept[1, j]) + hy * (kept[tag + 1, j] - kept[2, j])
     spread = np.zeros((2, 2))  # of the expected sighting
-    for k in range(rows):
+    for k in range(2):
         for i in range(k + 1):
             spread[k, i] = h[i, 0] * (white[k, tag] - white[k, 1]) + h[i, 1] * (
                 white[k, tag + 1] - white[k, 2]
             )
     off = np.array([seen[0] - r, _wrapped(seen[2] - bearing)])[:rows]
+    variance = seen[1]
+    # second order (Bar-Shalom 2001 section 10.3): a tag as near as it is uncertain tells little
+    along, across = spread[0, 0], r * r * spread[1, 1]
+    bent = across * across / (2.0 * r * r)
+    if seen[4] > 0.0:
+        off[0], variance = r * log(seen[0] / r), (r * seen[4]) ** 2
+        bent += along * along / (2.0 * r * r)
+    swung = along * across / r**4
     alone = off.copy()
-    _whiten_innovation(alone, _root(spread, seen, 1.0, rows))
+    _whiten_innovation(alone, _root(spread, variance + bent, seen[3] + swung, rows))
     distance: float = (alone * alone).sum()
-    root = _root(spread, seen, thin, rows)
+    root = _root(spread, thin * variance + bent, thin * seen[3] + swung, rows)
     if distance > gate:
         root = root * sqrt(distance / gate)
     _whiten_innovation(off, root)
+    white, told_h = white[:rows], told_h[:rows]
     _whiten(white, root)
     _whiten(told_h, root)
     turn: float = correct(mean, cov, n, white, told_h, off, kept, told, moved)
@@ -204,13 +214,13 @@ def retract(mean: Array, n: int, shift: Array) -> None:
 
 
 @njit(cache=True)
-def _root(spread: Array, seen: Array, thin: float, rows: int) -> Array:
+def _root(spread: Array, by_range: float, by_bearing: float, rows: int) -> Array:
     """Return the Cholesky factor of the innovation's covariance: (0, 0), (1, 0), (1, 1)."""
-    first = sqrt(spread[0, 0] + thin * seen[1])
+    first = sqrt(spread[0, 0] + by_range)
     if rows == 1:
         return np.array([first, 0.0, 1.0])
     between = spread[1, 0] / first
-    return np.array([first, between, sqrt(spread[1, 1] + thin * seen[3] - between * between)])
+    return np.array([first, between, sqrt(spread[1, 1] + by_bearing - between * between)])
 
 
 @njit(cache=True)

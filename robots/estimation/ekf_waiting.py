@@ -9,7 +9,7 @@ seeds all round, and believed when one place fits and no other.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import atan2, hypot, pi
+from math import atan2, hypot, log, pi
 
 import numpy as np
 from numba import njit
@@ -19,13 +19,14 @@ from robots.se2 import Array, GaussianPose, Pose2
 
 _MOST = 80  # sightings of a tag that wait; then every other one goes
 _PATIENCE = 8  # a new attempt after an eighth more sightings
-_SEEDS = 16
+_ROUND, _SHARES = 12, (0.4, 1.0, 2.0)
 _STEPS = 12
 _STRIDE_M = 2.0
+_LEAST_LOG_SD = 1e-3
 _FLAT = 1e-9  # information that keeps one range alone solvable
 _OTHER = 9.0  # squared deviations by which another place has to fit worse
 _SAME_SD = 2.0  # solutions nearer than so many deviations are one
-_MISFIT = 4.0  # of the mean squared residual: nothing fits
+_MISFIT = 2.5  # of the mean squared residual: nothing fits
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,8 +82,8 @@ class WaitingRoom:
         seen[:, 1] += drift[:, 0] + drift[:, 1] * away**2
         near = np.maximum(seen[:, 0], 0.3) ** 2
         seen[:, 3] += (drift[:, 0] + drift[:, 1] * away**2) / near + drift[:, 1]
-        places = _seeds(antennas[-1], seen[-1])
-        costs, information = np.empty(_SEEDS), np.empty((_SEEDS, 2, 2))
+        places = _seeds(antennas[-1], seen)
+        costs, information = np.empty(len(places)), np.empty((len(places), 2, 2))
         settle(places, antennas, seen, costs, information)
         best = int(np.argmin(costs))
         measured = len(seen) + int(np.isfinite(seen[:, 3]).sum())
@@ -96,17 +97,28 @@ class WaitingRoom:
         return (x, y), np.linalg.inv(information[best])
 
 
-def _numbers(sighting: RangeSighting) -> tuple[float, float, float, float]:
+def _numbers(sighting: RangeSighting) -> tuple[float, ...]:
     bearing, sd = sighting.bearing_rad, sighting.bearing_sd_rad
+    range_m, log_sd = range_of(sighting)
     if bearing is None or sd is None:
-        return sighting.range_m, sighting.range_sd_m**2, 0.0, np.inf
-    return sighting.range_m, sighting.range_sd_m**2, bearing, sd**2
+        return range_m, sighting.range_sd_m**2, 0.0, np.inf, log_sd
+    return range_m, sighting.range_sd_m**2, bearing, sd**2, log_sd
+
+
+def range_of(sighting: RangeSighting) -> tuple[float, float]:
+    """Return a range and the deviation of its logarithm: 0 where the range itself is normal."""
+    if sighting.median_m is None or sighting.log_sd is None:
+        return sighting.range_m, 0.0
+    return sighting.median_m, max(sighting.log_sd, _LEAST_LOG_SD)
 
 
 def _seeds(antenna: Array, seen: Array) -> Array:
-    angles = 2.0 * pi * np.arange(_SEEDS) / _SEEDS + antenna[2] + seen[2]
-    around: Array = antenna[:2] + seen[0] * np.column_stack([np.cos(angles), np.sin(angles)])
-    return around
+    """Return where to begin: all round the newest antenna, as far off as ranges go."""
+    usual_m = float(np.median(seen[:, 0]))
+    angles = 2.0 * pi * np.arange(_ROUND) / _ROUND + antenna[2]
+    circle = np.column_stack([np.cos(angles), np.sin(angles)])
+    seeds: Array = np.concatenate([antenna[:2] + share * usual_m * circle for share in _SHARES])
+    return seeds
 
 
 @njit(cache=True)
@@ -119,6 +131,8 @@ def settle(places: Array, antennas: Array, seen: Array, costs: Array, informatio
                 dx, dy = places[k, 0] - antennas[i, 0], places[k, 1] - antennas[i, 1]
                 r = max(hypot(dx, dy), 1e-3)
                 ex, ey, off, weight = dx / r, dy / r, seen[i, 0] - r, 1.0 / seen[i, 1]
+                if seen[i, 4] > 0.0:
+                    off, weight = r * log(seen[i, 0] / r), 1.0 / (r * seen[i, 4]) ** 2
                 cost += off * off * weight
                 xx, xy, yy = xx + ex * ex * weight, xy + ex * ey * weight, yy + ey * ey * weight
                 px, py = px + ex * off * weight, py + ey * off * weight

@@ -28,6 +28,7 @@ class Ranging:
         Raises:
             ValueError: the signal is not finite.
         """
+        median_m = log_sd = None
         direction = self._model.direction(sighting.antenna)
         bearing, bearing_sd = direction.bearing_rad, direction.bearing_sd_rad
         if sighting.range_m is not None:
@@ -41,6 +42,7 @@ class Ranging:
                 return None
             told = self._model.range_of(mean.rssi_dbm, mean.readings)
             range_m, deviation = told.range_m, told.sd_m
+            median_m, log_sd = told.median_m, told.log_sd
         else:
             return None
         return RangeSighting(
@@ -51,6 +53,8 @@ class Ranging:
             bearing,
             bearing_sd,
             direction.base_from_antenna,
+            median_m,
+            log_sd,
             independent=sighting.range_m is None,  # the mean of a place of its own
         )
 

@@ -13,8 +13,9 @@ from robots.tags.map_memory import TagBelief, WriterMap
 class RangeSighting:
     """A tag seen by range and, where the radio has a direction, by bearing from the antenna's axis.
 
-    ``range_m`` as measured, with whatever the radio adds to it. ``independent``: its error has nothing to do
-    with that of the tag's sighting before, as errors of a range finder do for seconds.
+    ``range_m`` as measured, with whatever the radio adds to it. Of a signal strength, ``median_m`` and
+    ``log_sd`` tell more: the logarithm of the range is normal about that of the median. ``independent``: the
+    range's error has nothing to do with that of the tag's sighting before, as errors of range finders have.
     """
 
     tag_id: str
@@ -24,6 +25,8 @@ class RangeSighting:
     bearing_rad: float | None = None
     bearing_sd_rad: float | None = None
     base_from_antenna: Pose2 = field(default_factory=Pose2)
+    median_m: float | None = None
+    log_sd: float | None = None
     independent: bool = False
 
 

@@ -26,9 +26,7 @@ TagState = Literal["moved", "cloned", "wrong"]
 
 FALSE_ALARM = 1e-4  # of one sound tag, where all covariances are as claimed
 LEAST_SHIFT_M = 0.3  # what lies nearer may come from antennas and wheels
-_LARGEST_SCALE = (
-    9.0  # deviations three times as claimed: beyond that it is not the covariances that are wrong
-)
+_LARGEST_SCALE = 9.0  # deviations three times as claimed: beyond, it is not the covariances that are wrong
 _ENOUGH = 8  # so many claims at least tell how honest the covariances are
 _SHARE = 0.3  # tags this suspicious, against the most suspicious one, are looked at in one go
 _WAY_MARGIN = 16.0  # by which loosening a displacement has to explain more than giving up any tag
@@ -82,16 +80,18 @@ def judge(
     method: Literal["gauss-newton", "linear"] = "gauss-newton",
     max_iterations: int = 20,
     kernel_sd: float = 3.0,
+    tested: IntArray | None = None,
 ) -> Judgement:
     """Solve a graph, find the tags that are not where all their sightings claim, split them, solve again.
 
     ``stamps_s`` (s,): when each sighting was made. ``ways`` (w,): the edges that are displacements driven;
-    all by default. Each tag has to have a sighting.
+    ``tested`` (t,): sightings that cast doubt; all by default. Each tag has to have a sighting.
 
     Raises:
         GraphError: as ``solve``.
     """
     order = np.argsort(stamps_s, kind="stable")
+    doubtful = order if tested is None else order[np.isin(order, tested)]
     labels = np.zeros(len(problem.sighting_pairs), np.int64)
     loosened: list[int] = []
     doubted: dict[int, float] = {}  # tags that were looked at, and what came of it
@@ -106,7 +106,7 @@ def judge(
     solution = solved(problem)
     scale = 1.0
     for _ in range(_ROUNDS):
-        tests = tag_tests(split.problem, solution, order, kernel_sd)
+        tests = tag_tests(split.problem, solution, doubtful, kernel_sd)
         scale = _scale(tests.neighbours)
         limits = scale * np.array([alarm_limit(int(n)) for n in tests.hypotheses])
         excess = np.where(tests.chi2 > limits, tests.chi2, 0.0)

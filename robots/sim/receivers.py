@@ -17,7 +17,7 @@ from robots.types import TagSighting
 UHF_TAGS_PER_S = 50.0  # Ziparo 2007 section 2
 _NODES, _RATES_HZ = (1.0, 4.0, 8.0), (28.6, 27.5, 16.5)  # Sun 2009 section 3
 _MOVED_M, _TURNED_RAD = 0.05, 0.1  # so far everything sounds as before
-_STATUS_EVERY_S = 1.0  # a tag's memory and sensors come with a reading so often
+_STATUS_EVERY_S = 1.0  # memory and sensors come with a reading so often, and after every write
 _SPIKE_DB = (10.0, 30.0)
 
 
@@ -45,8 +45,11 @@ class Receiver:
         self._rng = rng
         self._signals_dbm: Array = np.zeros((0, 0))  # (a, m) as heard at ``_at``
         self._at: tuple[Pose2, int] | None = None
-        self._due_s: Array = np.zeros(0)  # (m,) when each node is heard next
+        self._due_s: Array = np.zeros(0)  # (m,) when each node is heard next, inf where it is not,
+        self._every_s = inf  # and then again about so often
+        self._tuned = False  # to the signals as they are now
         self._status_s: dict[int, float] = {}
+        self._memories: dict[int, bytes] = {}  # as last told, by tag
         self._credit = 0.0  # readings a reader of passive tags has time for
 
     def reaches(self, index: int) -> bool:
@@ -81,6 +84,7 @@ class Receiver:
         self._at = (pose, self._field.version)
         antennas = self._channel.antennas(pose.x, pose.y, pose.theta)
         self._signals_dbm = self._channel.signals_dbm(antennas)
+        self._tuned = False
 
     def _inventory(self, dt_s: float) -> list[tuple[int, int]]:
         """Return what a reader with anti-collision reads: all within reach in turn, so many a second."""
@@ -94,29 +98,29 @@ class Receiver:
 
     def _broadcasts(self, clock_s: float) -> list[tuple[int, int]]:
         """Return the nodes that got through: each sends again after a random while."""
-        heard: NDArray[np.bool_] = self._signals_dbm.max(axis=0, initial=-inf) > -inf
-        count = int(heard.sum())
-        due = np.full(len(heard), inf)
-        due[: len(self._due_s)] = self._due_s
-        due[~heard] = inf
-        if count:
-            every_s = 1.0 / read_rate_hz(count)
+        due = self._due_s
+        if not self._tuned:
+            self._tuned = True
+            heard: NDArray[np.bool_] = self._signals_dbm.max(axis=0) > -inf
+            self._every_s = 1.0 / read_rate_hz(max(1, int(heard.sum())))
+            self._due_s = np.full(len(heard), inf)
+            self._due_s[: len(due)] = due
+            due = self._due_s
+            due[~heard] = inf
             fresh = heard & np.isinf(due)
-            due[fresh] = clock_s + every_s * self._rng.random(int(fresh.sum()))
-            sent: list[tuple[float, int]] = []
-            while (ready := np.flatnonzero(due <= clock_s)).size:
-                sent.extend(zip(due[ready].tolist(), ready.tolist(), strict=True))
-                due[ready] += every_s * self._rng.uniform(0.5, 1.5, ready.size)
-            self._due_s = due
-            return [(0, index) for _, index in sorted(sent)]
-        self._due_s = due
-        return []
+            due[fresh] = clock_s + self._every_s * self._rng.random(int(fresh.sum()))
+        sent: list[tuple[float, int]] = []
+        while (ready := (due <= clock_s).nonzero()[0]).size:
+            sent.extend(zip(due[ready].tolist(), ready.tolist(), strict=True))
+            due[ready] += self._every_s * self._rng.uniform(0.5, 1.5, ready.size)
+        return [(0, index) for _, index in sorted(sent)]
 
     def _sighting(self, index: int, rssi_dbm: float, antenna: Antenna | None, clock_s: float) -> TagSighting:
         tag = self._field.tag(index)
-        if clock_s - self._status_s.get(index, -inf) < _STATUS_EVERY_S - 1e-9:
+        told = clock_s - self._status_s.get(index, -inf) < _STATUS_EVERY_S - 1e-9
+        if told and self._memories[index] == tag.memory:
             return TagSighting(tag.tag_id, rssi_dbm=rssi_dbm, antenna=antenna)
-        self._status_s[index] = clock_s
+        self._status_s[index], self._memories[index] = clock_s, tag.memory
         active = self._channel.hardware == "node"
         sensors = self._life.sensors(tag, clock_s, self._rng) if active else None
         return TagSighting(tag.tag_id, tag.memory, rssi_dbm=rssi_dbm, antenna=antenna, sensors=sensors)

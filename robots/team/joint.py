@@ -107,13 +107,18 @@ def solve_together(
 
 
 def _judged(joint: JointProblem, passed: bool, method: Method) -> tuple[JointProblem, Judgement]:
-    """Solve; test the tags where robots ``passed`` over some. Ranges are let go by their own kernel."""
+    """Solve; test the tags where robots ``passed`` over some, in that. Ranges have a kernel of their own."""
     if joint.ranges is None:
         return joint, judge(joint.problem, joint.stamps_s, ways=joint.ways, method=method)
+    links = joint.ranges.links
     batch = smooth_ranges(joint.problem, joint.ranges)
     joint = replace(joint, problem=batch.graph)
     if passed:
-        return joint, judge(joint.problem, joint.stamps_s, ways=joint.ways, method=method)
+        edges = len(batch.graph.edge_pairs)
+        under = np.setdiff1d(edges + np.arange(len(joint.stamps_s)), links) - edges
+        judged = judge(batch.graph, joint.stamps_s, ways=joint.ways, method=method, tested=under)
+        if judged.verdicts or judged.loosened:
+            return joint, judged
     tags = np.arange(len(joint.tag_ids))
     return joint, Judgement(batch.graph, batch.solution, tags, np.zeros_like(tags), (), (), 1.0)
 

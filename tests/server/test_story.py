@@ -97,7 +97,8 @@ def test_everything_is_there_after_a_restart_and_the_robot_goes_on(story, drive)
         event for event in kept if event["event_id"] > events[-1]["event_id"] and event["severity"] == "alarm"
     ]
     picture = np.asarray(Image.open(BytesIO(line.call("GET", "/map.png").content)))
-    assert (picture == 1).sum() == pytest.approx(free.sum(), rel=0.02)  # the newest submap has grown a little
+    # the newest submap was shown up to a second late; now the agent has told all of it
+    assert 0.98 * free.sum() < (picture == 1).sum() < 1.15 * free.sum()
 
     assert line.register(**line.words).json()["next_seq"] == 4 * HALF
     for number in (HALF - 2, HALF - 1):  # their replies may have been lost in the restart

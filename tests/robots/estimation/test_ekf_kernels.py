@@ -88,3 +88,18 @@ def test_a_turn_that_the_noise_made_leaves_the_tags_where_they_are():
     np.testing.assert_allclose(after[1:3], mean[1:3], atol=1e-12)
     np.testing.assert_allclose(after[4:], mean[4:], atol=1e-12)
     assert wrap(after[0] - mean[0]) == pytest.approx(0.7)
+
+
+def test_a_tag_as_near_as_it_is_uncertain_tells_little():
+    """A first-order filter that drives over a tag known to half a metre would be sure to centimetres."""
+    shares = []
+    for away_m in (10.0, 0.3):
+        mean, cov = np.zeros(kernels.HEAD + 2), np.zeros((6, 6))
+        mean[kernels.HEAD] = away_m
+        cov[1, 1] = cov[2, 2] = 0.25
+        before = cov[1, 1] + cov[2, 2]
+        seen, nothing = np.array([away_m, 1e-4, 0.0, 1e-4, 0.0]), np.zeros((6, 0))
+        kernels.see(mean, cov, 6, 4, np.zeros(3), seen, 1.0, 9.0, nothing, np.zeros((0, 0)), np.zeros(0))
+        shares.append((cov[1, 1] + cov[2, 2]) / before)
+    assert shares[0] < 0.1
+    assert shares[1] > 0.4

@@ -79,3 +79,28 @@ def test_by_range_alone_a_filter_is_as_far_off_as_it_says(tag_walk):
         placed += len(tag_filter.tags())
     assert placed > 8 * 10
     assert np.mean(nees) < 6.0
+
+
+@pytest.mark.parametrize("log_sd", [0.3, 0.7])
+def test_signals_place_a_tag_without_a_bias(log_sd):
+    """The logarithm of the range is normal: taken so, tags come out neither near nor far."""
+    ratios, nees, (x, y) = [], [], (1.3, 2.0)
+    for seed in range(12):
+        rng, room, pose, found = np.random.default_rng(seed), WaitingRoom(0.5), Pose2(), None
+        for k in range(200):
+            true_m = float(np.hypot(x - pose.x, y - pose.y))
+            median_m = true_m * float(np.exp(log_sd * rng.standard_normal()))
+            found = room.add(
+                RangeSighting("A", float(k), median_m, log_sd * median_m, median_m=median_m, log_sd=log_sd)
+            )
+            if found is not None:
+                break
+            step = Pose2(0.3, 0.0, 0.12)
+            room.move(GaussianPose(step, STEP.covariance))
+            pose = pose @ step
+        assert found is not None
+        off = np.array(found[0]) - pose.inverse().transform_point(x, y)
+        nees.append(off @ np.linalg.solve(found[1], off))
+        ratios.append(np.log(np.hypot(*found[0]) / np.hypot(x - pose.x, y - pose.y)))
+    assert abs(np.mean(ratios)) < 0.15
+    assert np.mean(nees) < 5.0

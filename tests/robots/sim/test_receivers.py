@@ -77,6 +77,8 @@ def test_memory_and_sensors_come_once_a_second():
     assert [s.memory for s in heard[:2]] == [b"left here", b""]
     assert sum(bool(s.memory) for s in heard) == pytest.approx(10, abs=1)
     assert all((s.sensors is None) == (s.memory == b"") for s in heard)
+    assert field.write("N01", b"written since", 13.0, 10.0)
+    assert b"written since" in {s.memory for s in listen(radio, 0.3, start_s=10.0)}
 
 
 def test_a_memory_is_within_reach_of_the_radio_only():

@@ -82,6 +82,12 @@ def joint(graphs: dict[str, GraphReport]) -> JointSolution:
     return solve_together(graphs, empty, histories, submaps, LaserLoops(), "gauss-newton")
 
 
+def thinned(graph: GraphReport, every: int) -> GraphReport:
+    kept = graph.range_pairs[:, 0] % every == 0
+    rows = ("range_pairs", "range_poses", "ranges_m", "range_sds_m", "bearings_rad", "bearing_sds_rad")
+    return replace(graph, **{name: getattr(graph, name)[kept] for name in rows})
+
+
 def both(bearings: bool) -> dict[str, GraphReport]:
     rng = np.random.default_rng(5)
     return {"r1": report("r1", rng, bearings, 1.05), "r2": report("r2", rng, bearings, 1.09)}
@@ -147,3 +153,33 @@ def test_the_joint_map_is_a_function_of_the_reports() -> None:
     first, second = joint(graphs), joint(dict(reversed(graphs.items())))
     for name in graphs:
         np.testing.assert_array_equal(first.anchors[name], second.anchors[name])
+
+
+@pytest.mark.parametrize("field", ["ranges_m", "range_sds_m", "range_poses"])
+def test_a_report_with_ranges_that_are_no_numbers_is_left_out_and_told(field: str) -> None:
+    graphs = both(True)
+    broken = getattr(graphs["r2"], field).copy()
+    broken[7] = np.nan
+    solution = joint(graphs | {"r2": replace(graphs["r2"], **{field: broken})})
+    assert solution.located == {"r1"}
+    assert [notice.about for notice in solution.notices] == ["r2"]
+    assert errors("r1", solution.anchors["r1"]).mean() < 0.15
+
+
+@pytest.mark.parametrize("moved_m", [0.0, 2.0])
+def test_of_tags_seen_by_range_those_are_tested_that_were_passed(moved_m: float) -> None:
+    graphs = {name: thinned(graph, 6) for name, graph in both(True).items()}
+    under, pose = [20, 60], {}
+    for k in under:  # n1 lay under the antenna twice, the second time elsewhere
+        x, y = NODES["n1"]
+        place = (x + (moved_m if k == 60 else 0.0), y)
+        pose[k] = way("r1")[k].inverse().transform_point(*place)
+    graphs["r1"] = replace(
+        graphs["r1"],
+        sighting_pairs=np.array([[k, 0] for k in under]),
+        sighting_offsets=np.array([pose[k] for k in under]),
+        sighting_covariances=np.tile(np.eye(2) * 0.01, (2, 1, 1)),
+    )
+    solution = joint(graphs)
+    assert {notice.about for notice in solution.notices} == ({"n1"} if moved_m else set())
+    assert errors("r1", solution.anchors["r1"]).mean() < 0.2

@@ -112,7 +112,7 @@ def test_with_tight_places_slam_becomes_localisation():
         shape = [np.linalg.norm(_shape(each) - _shape_of(FOUR)) for each in (slam, other)]
         single.append(shape[0])
         told.append(shape[1])
-    assert np.mean(told) < 0.5 * np.mean(single)
+    assert np.mean(told) < 0.7 * np.mean(single)
 
 
 def _shape(slam: RangeSlam) -> np.ndarray:
