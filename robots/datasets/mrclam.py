@@ -54,7 +54,7 @@ _SETTINGS: dict[str, Any] = {
         "lateral_sd_per_sqrt_m": 0.02,
     },
     "ranging": {"range_sd_m": 0.03, "range_sd_per_m": 0.045, "bearing_sd_rad": 0.018},
-    "rslam": {"scale_sd": 0.03, "offset_sd_m": 0.12, "offset_lasts_s": 5.0},
+    "rslam": {"scale_sd": 0.03, "offset_sd_m": 0.2, "offset_lasts_s": 5.0},
     "deployment": {"magazine": 0},
     "planning": {"replan_every_s": 10.0},  # somebody drove it; where our agent would go is only looked at
 }
