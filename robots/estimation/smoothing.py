@@ -26,7 +26,7 @@ _NEAR_M = 2.5  # vertices so near to each other see much the same
 _NEIGHBOURS = 6  # of each vertex: more say the same again
 # No tag vouches for the place here, and places look alike (at MIT one such loop bent the map by metres).
 _SURE_OVERLAP, _SURE_MARGIN = 0.9, 0.3
-_CERTAIN_SD_M = 1.0  # a pair that the graph knows less well may be any two places that look alike
+_CERTAIN_SD_M = 1.5  # a pair that the graph knows less well may be any two places that look alike
 
 
 def smooth(report: GraphReport, loops: LoopCloser, config: AgentConfig) -> GraphReport:

@@ -2,7 +2,17 @@
 
 from __future__ import annotations
 
-from robots.experiments import consistency, kleiner_cellar, kleiner_slam, kleiner_time, slip, ziparo_table2
+from robots.experiments import (
+    consistency,
+    kleiner_cellar,
+    kleiner_slam,
+    kleiner_time,
+    slip,
+    sun_radio,
+    sun_table1,
+    sun_table2,
+    ziparo_table2,
+)
 from robots.experiments.experiment import Experiment
 
 _ALL: tuple[Experiment, ...] = (
@@ -11,6 +21,9 @@ _ALL: tuple[Experiment, ...] = (
     kleiner_time.EXPERIMENT,
     kleiner_cellar.EXPERIMENT,
     slip.EXPERIMENT,
+    sun_radio.EXPERIMENT,
+    sun_table1.EXPERIMENT,
+    sun_table2.EXPERIMENT,
     ziparo_table2.EXPERIMENT,
     consistency.EXPERIMENT,
 )

@@ -276,6 +276,7 @@ def driven(control: Control, drive: Drive) -> Line:
     with line.stream() as stream:
         stream.until(lambda s: "map" in s.state and s.kind("victim"))
         stream.until(lambda s: len(s.kind("tag")) == len(drive.agent.report().graph.tag_ids))
+        stream.settle()
     return line
 
 

@@ -159,3 +159,70 @@ def _coordinate(block: Array, scales: Array, p: int, hx: float, hy: float, measu
     scales[0, p] = scale + gain * v
     scales[1, p] -= gain * by_scale * scales[1, p]
     return float(-0.5 * (v * v / spread + log(spread)))
+
+
+@njit(cache=True)
+def align_by_ranges(
+    places: Array,
+    antennas: Array,
+    ranges: Array,
+    noises: Array,
+    placed: Array,
+    scales: Array,
+    start: Array,
+    turn_variance: float,
+    noise: Array,
+    frames: Array,
+    evidence: Array,
+) -> None:
+    """Draw in each particle how the other frame lies, by ranges to nodes of the other map.
+
+    ``places`` (k, 2) of the nodes in the other map and ``placed`` (k,) variances of those in any direction;
+    ``antennas`` (k, 2, M), ``ranges`` (k,), ``noises`` (k, 2) as in ``innovations``; the rest as in
+    ``align``.
+    """
+    for p in range(antennas.shape[2]):
+        x, y, turn = start[0], start[1], start[2]
+        scale, scale_variance = scales[0, p], scales[1, p]
+        for last in (False, False, False, True):
+            c, s = cos(turn), sin(turn)
+            a = np.zeros((3, 3))
+            g = np.zeros(3)
+            a[2, 2] = 1.0 / turn_variance
+            g[2] = (start[2] - turn) / turn_variance
+            cost = 0.0
+            for k in range(len(ranges)):
+                mx, my = c * places[k, 0] - s * places[k, 1], s * places[k, 0] + c * places[k, 1]
+                dx, dy = x + mx - antennas[k, 0, p], y + my - antennas[k, 1, p]
+                d = max(sqrt(dx * dx + dy * dy), 0.05)
+                expected = scale * d
+                variance = noises[k, 0] ** 2 + placed[k] + scale_variance * d * d
+                v = ranges[k] - expected
+                if noises[k, 1] > 0.0:
+                    variance += (noises[k, 1] * expected) ** 2
+                    v = expected * log(ranges[k] / expected)
+                    cost -= 2.0 * log(expected)
+                hx, hy = scale * dx / d, scale * dy / d
+                ht = -hx * my + hy * mx
+                w = 1.0 / variance
+                a[0, 0] += w * hx * hx
+                a[0, 1] += w * hx * hy
+                a[0, 2] += w * hx * ht
+                a[1, 1] += w * hy * hy
+                a[1, 2] += w * hy * ht
+                a[2, 2] += w * ht * ht
+                g[0] += w * hx * v
+                g[1] += w * hy * v
+                g[2] += w * ht * v
+                cost += w * v * v + log(variance)
+            a[1, 0], a[2, 0], a[2, 1] = a[0, 1], a[0, 2], a[1, 2]
+            if not last:
+                step = np.linalg.solve(a, g)
+                x, y, turn = x + step[0], y + step[1], turn + step[2]
+            else:
+                root = np.linalg.cholesky(a)
+                z = np.linalg.solve(root.T, noise[:, p].copy())
+                frames[0, p], frames[1, p], frames[2, p] = x + z[0], y + z[1], turn + z[2]
+                off = turn - start[2]
+                evidence[p] = -0.5 * (cost + off * off / turn_variance)
+                evidence[p] -= log(root[0, 0]) + log(root[1, 1]) + log(root[2, 2])

@@ -14,6 +14,8 @@ from robots.estimation.rslam.range_kernels import ROWS, WORK_ROWS, age_offset, c
 from robots.graph_report import IntArray
 from robots.se2 import Array
 
+Noise = tuple[float, float]  # deviation in metres, or of the logarithm; the other is 0
+
 _GATHERED = 32  # ranges kept of a node without a place
 _FEWEST = 4  # that make a place
 _LONGER = 1.3  # than the way between them: by so much two ranges may differ
@@ -25,32 +27,48 @@ class Gathered:
     """Ranges of a node without a place: from where each particle, and their mean, measured them."""
 
     ranges_m: list[float] = field(default_factory=list)
-    sds_m: list[float] = field(default_factory=list)
+    noises: list[Noise] = field(default_factory=list)
     mean_antennas: list[Array] = field(default_factory=list)  # each (2,)
     antennas: list[Array] = field(default_factory=list)  # each (2, M)
     spacing_m: float = 0.0
+    added: int = 0
+    due: int = 4  # so many ranges have to have been added before the place is looked for
 
-    def add(self, range_m: float, sd_m: float, antennas: Array, weights: Array) -> bool:
+    def add(self, range_m: float, noise: Noise, antennas: Array, weights: Array) -> bool:
         """Keep a range that was measured away from the one before; say whether it was."""
+        sd_m = noise[0]  # what shadows a signal belongs to the place: each counts
         here = antennas @ weights
         if self.mean_antennas and np.hypot(*(here - self.mean_antennas[-1])) < max(self.spacing_m, sd_m):
             return False
+        self.added += 1
         self.ranges_m.append(range_m)
-        self.sds_m.append(sd_m)
+        self.noises.append(noise)
         self.mean_antennas.append(here)
         self.antennas.append(antennas.copy())
-        if len(self.ranges_m) > _GATHERED:  # every other one, from now on twice as far apart
-            self.spacing_m = 2.0 * max(self.spacing_m, sd_m)
-            for kept in (self.ranges_m, self.sds_m, self.mean_antennas, self.antennas):
-                del kept[1::2]
+        if len(self.ranges_m) > _GATHERED:
+            if noise[1] > 0.0:
+                self._merge()
+            else:  # every other one, from now on twice as far apart
+                self.spacing_m = 2.0 * max(self.spacing_m, sd_m)
+                for kept in (self.ranges_m, self.noises, self.mean_antennas, self.antennas):
+                    del kept[1::2]
         return True
+
+    def _merge(self) -> None:
+        """Let neighbours become one: signals of different places err independently, their mean by less."""
+        for k in range(len(self.ranges_m) // 2):
+            self.ranges_m[k : k + 2] = [float(np.sqrt(self.ranges_m[k] * self.ranges_m[k + 1]))]
+            self.noises[k : k + 2] = [(0.0, float(np.hypot(self.noises[k][1], self.noises[k + 1][1])) / 2.0)]
+            for kept in (self.mean_antennas, self.antennas):
+                kept[k : k + 2] = [(kept[k] + kept[k + 1]) / 2.0]
 
     def believed(self) -> NDArray[np.bool_]:
         """Tell which ranges, (k,), are in keeping with at least half of the others.
 
         Two ranges of one node differ by no more than the way between where they were measured.
         """
-        places, ranges, sds = np.array(self.mean_antennas), np.array(self.ranges_m), np.array(self.sds_m)
+        places, ranges, noises = np.array(self.mean_antennas), np.array(self.ranges_m), np.array(self.noises)
+        sds = noises[:, 0] + noises[:, 1] * ranges
         way = np.hypot(*(places[:, None] - places[None]).T)
         slack = 3.0 * np.hypot(sds[:, None], sds[None])
         agree = np.abs(ranges[:, None] - ranges[None]) <= _LONGER * way + slack
@@ -93,14 +111,17 @@ class Node:
             log-likelihoods (M,) of the ranges; None while the place is open.
         """
         gathered = self.gathered
+        if gathered.added < gathered.due:
+            return None
+        gathered.due = gathered.added + 1 + gathered.added // 4
         believed = gathered.believed()
         if believed.sum() < _FEWEST:
             return None
-        ranges, sds = np.array(gathered.ranges_m)[believed], np.array(gathered.sds_m)[believed]
+        ranges, noises = np.array(gathered.ranges_m)[believed], np.array(gathered.noises)[believed]
         mean_antennas = np.array(gathered.mean_antennas)[believed]
         mean = float(scales[0] @ weights)
         spread = float(np.sqrt(weights @ ((scales[0] - mean) ** 2 + scales[1])))
-        found = vote(mean_antennas, ranges, sds, (mean, spread), config.offset_sd_m)
+        found = vote(mean_antennas, ranges, noises, (mean, spread), config.offset_sd_m)
         if not found:
             return None
         antennas = np.array(gathered.antennas)[believed]
@@ -111,7 +132,7 @@ class Node:
             self.blocks = [np.empty((ROWS, scales.shape[1])) for _ in starts]
             for start, block, fits in zip(starts, self.blocks, evidence, strict=True):
                 settle(
-                    block, scales, antennas, ranges, sds**2, start, offset_variance, fits, len(starts) == 1
+                    block, scales, antennas, ranges, noises, start, offset_variance, fits, len(starts) == 1
                 )
             if len(starts) == 1 or not _are_one(self.blocks[0], self.blocks[1], scales, weights):
                 break
@@ -122,13 +143,13 @@ class Node:
         return total
 
     def see(
-        self, scales: Array, antennas: Array, range_m: float, variance: float, outliers: tuple[float, float]
+        self, scales: Array, antennas: Array, range_m: float, noise: Noise, outliers: tuple[float, float]
     ) -> tuple[list[Array], Array]:
         """Return the innovations of each place, (9, M), and the log-likelihoods (M,) over all places."""
         works = []
         for block in self.blocks:
             work = np.empty((WORK_ROWS, antennas.shape[1]))
-            innovations(block, scales, antennas, range_m, variance, outliers, work)
+            innovations(block, scales, antennas, range_m, noise, outliers, work)
             works.append(work)
         if len(works) == 1:
             return works, works[0][2]

@@ -27,25 +27,26 @@ class Candidate:
 
 
 def vote(
-    antennas: Array, ranges_m: Array, sds_m: Array, scale: tuple[float, float], offset_sd_m: float
+    antennas: Array, ranges_m: Array, noises: Array, scale: tuple[float, float], offset_sd_m: float
 ) -> tuple[Candidate, ...]:
     """Return the one or two places that the ranges agree on; none while they leave it open.
 
     Args:
         antennas: (k, 2) from where each range was measured.
         ranges_m: (k,) as measured.
-        sds_m: (k,) their deviations.
+        noises: (k, 2) their deviations in metres, or of their logarithm.
         scale: mean and deviation of the scale that ranges have.
         offset_sd_m: deviation of the offset that ranges have.
     """
     mean, sd = scale
+    sds_m = noises[:, 0] + noises[:, 1] * ranges_m
     reach = (ranges_m + _BEYOND_SD * (sds_m + offset_sd_m)) / max(mean - _BEYOND_SD * sd, 0.2)
     low = (antennas - reach[:, None]).max(axis=0)
     high = (antennas + reach[:, None]).min(axis=0)
     if (high <= low).any():
         return ()
     size = (high - low) / _CELLS
-    votes, misfit = _votes(antennas, ranges_m, sds_m, low, size, mean, sd, offset_sd_m)
+    votes, misfit = _votes(antennas, ranges_m, noises, low, size, mean, sd, offset_sd_m)
     if misfit > len(ranges_m) + 4.0 * sqrt(2.0 * len(ranges_m)):  # chi-square: they agree nowhere
         return ()
     found: list[Candidate] = []
@@ -65,7 +66,7 @@ def vote(
 def _votes(
     antennas: Array,
     ranges: Array,
-    sds: Array,
+    noises: Array,
     low: Array,
     size: Array,
     scale: float,
@@ -81,11 +82,17 @@ def _votes(
             x, y = low[0] + (j + 0.5) * size[0], low[1] + (i + 0.5) * size[1]
             a = 1.0 / (offset_sd * offset_sd)
             c = 1.0 / (scale_sd * scale_sd)
-            b = e = f = cost = 0.0
+            b = e = f = cost = det_noise = 0.0
             for k in range(len(ranges)):
                 d = hypot(x - antennas[k, 0], y - antennas[k, 1])
-                w = 1.0 / (sds[k] * sds[k] + blur)
+                variance = noises[k, 0] ** 2 + blur
                 v = ranges[k] - scale * d
+                if noises[k, 1] > 0.0:
+                    expected = max(scale * d, size[0])
+                    v = expected * log(max(ranges[k], size[0]) / expected)
+                    variance += (noises[k, 1] * expected) ** 2
+                    det_noise += log(variance) - 2.0 * log(expected)
+                w = 1.0 / variance
                 cost += w * v * v
                 a += w
                 b += w * d
@@ -95,7 +102,7 @@ def _votes(
             det = a * c - b * b
             cost -= (c * e * e - 2.0 * b * e * f + a * f * f) / det
             misfit = min(misfit, cost)
-            votes[i, j] = -0.5 * (cost + log(det))
+            votes[i, j] = -0.5 * (cost + log(det) + det_noise)
             top = max(top, votes[i, j])
     total = 0.0
     for i in range(_CELLS):

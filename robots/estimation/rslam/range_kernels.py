@@ -43,7 +43,7 @@ def innovations(
     scales: Array,
     antennas: Array,
     range_m: float,
-    variance: float,
+    noise: tuple[float, float],
     outliers: tuple[float, float],
     work: Array,
 ) -> None:
@@ -52,7 +52,8 @@ def innovations(
     Its rows: innovation, its variance, log-likelihood, how probably the range is no outlier; and for
     ``correct`` h_x, h_y, the derivative by the scale, the variance given the scale, and what the range's
     curvature adds to that. ``antennas`` (2, M): from where it was measured. ``outliers``: share of ranges
-    that follow no model, and over how many metres they spread.
+    that follow no model, and over how many metres they spread. ``noise``: deviation in metres or, where the
+    error grows with the distance, of ln z: then it is taken at the distance expected, not the one measured.
     """
     far = log(outliers[0] / outliers[1])
     near = log(1.0 - outliers[0]) - 0.5 * _LOG_2PI
@@ -68,14 +69,23 @@ def innovations(
         # the range is a curved function of the place: mean and variance to second order
         bent = 0.5 * scale * (uy * uy * xx - 2.0 * ux * uy * xy + ux * ux * yy) / d
         by_scale = d + hx * block[3, p] + hy * block[4, p] + block[5, p]
+        expected = scale * d + block[2, p] + block[5, p] * scale + bent  # (2)
+        variance = noise[0] * noise[0]
+        work[0, p] = range_m - expected  # (3)
+        if noise[1] > 0.0:
+            expected = max(expected, _NEAREST_M)
+            variance = (noise[1] * expected) ** 2
+            work[0, p] = expected * log(range_m / expected)
         given_scale = hx * (hx * xx + 2.0 * (hy * xy + xo)) + hy * (hy * yy + 2.0 * yo) + oo + variance
-        work[0, p] = range_m - scale * d - block[2, p] - block[5, p] * scale - bent  # (2), (3)
+        work[3, p] = expected
         work[1, p] = given_scale + 2.0 * bent * bent + by_scale * by_scale * scales[1, p]  # (4)
         work[4, p], work[5, p], work[6, p] = hx, hy, by_scale
         work[7, p], work[8, p] = given_scale, 2.0 * bent * bent
     for p in range(block.shape[1]):
         spread = work[1, p]
         fits = near - 0.5 * (work[0, p] * work[0, p] / spread + log(spread))  # (9), with its normaliser
+        if noise[1] > 0.0:
+            fits += log(work[3, p] / range_m)  # of z, not of ln z
         lesser = exp(-abs(far - fits))
         work[2, p] = max(far, fits) + log1p(lesser)
         work[3, p] = (1.0 if fits > far else lesser) / (1.0 + lesser)
@@ -122,7 +132,7 @@ def settle(
     scales: Array,
     antennas: Array,
     ranges: Array,
-    variances: Array,
+    noises: Array,
     start: tuple[float, float],
     offset_variance: float,
     evidence: Array,
@@ -130,9 +140,10 @@ def settle(
 ) -> None:
     """Begin a node in every particle from the ranges it has gathered, by Gauss-Newton from ``start``.
 
-    ``antennas`` (k, 2, M): from where each of the k ranges was measured. ``evidence`` (M,) gets the logarithm
-    of how well they fit the particle (Laplace), but for a constant. Where the scale is taught, a correction
-    of it beyond three deviations is no solution and left out.
+    ``antennas`` (k, 2, M): from where each of the k ranges was measured; ``noises`` (k, 2) as in
+    ``innovations``. ``evidence`` (M,) gets the logarithm of how well they fit the particle (Laplace), but for
+    a constant. Where the scale is taught, a correction of it beyond three deviations is no solution and left
+    out.
     """
     count = len(ranges)
     longest = 0.2 * ranges.mean()
@@ -149,8 +160,12 @@ def settle(
             for k in range(count):
                 dx, dy = x - antennas[k, 0, p], y - antennas[k, 1, p]
                 d = max(hypot(dx, dy), _NEAREST_M)
-                hx, hy, w = scale * dx / d, scale * dy / d, 1.0 / variances[k]
+                hx, hy, w = scale * dx / d, scale * dy / d, 1.0 / max(noises[k, 0] ** 2, 1e-9)
                 v = ranges[k] - scale * d - o
+                if noises[k, 1] > 0.0:
+                    expected = max(scale * d + o, _NEAREST_M)
+                    w = 1.0 / (noises[k, 1] * expected) ** 2
+                    v = expected * log(ranges[k] / expected)
                 axx += w * hx * hx
                 axy += w * hx * hy
                 ayy += w * hy * hy

