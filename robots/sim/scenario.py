@@ -21,6 +21,7 @@ from robots.sim.tags import link_of
 from robots.sim.wheels import NOISE_LEVELS, data_sheet
 from robots.sim.world import World
 from robots.tags.chip import CHIPS, Chip, chip_of, format_chip
+from robots.tags.memory import room_for_maps
 from robots.tags.record import content_bytes
 from robots.tags.sealed import room_in
 
@@ -116,6 +117,10 @@ class ScenarioConfig:
         if self.tags == "near" and self.memory_bits not in (0, *CHIPS):
             known = ", ".join(map(str, CHIPS))
             raise ScenarioError(f"tag_bits: no chip has {self.memory_bits}; use 0 for no memory, or {known}")
+        if self.agent_config.map_memory and self.tag_room_bytes < room_for_maps():
+            raise ScenarioError(
+                f"tag_bits: {self.memory_bits} leave no room for maps beside coverage; use 7104 or more"
+            )
         _within("tags_in_place", self.tags_in_place, 0, 2000)
         _known("environment", self.environment, tuple(ENVIRONMENTS))
         _within("sonars", self.sonars, 0, 64)

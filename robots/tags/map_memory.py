@@ -14,6 +14,7 @@ from math import isfinite
 MAX_WRITERS, MAX_BELIEFS = 100, 2000
 _LONGEST_NAME = 16  # bytes; beliefs and writers with longer names find no room in a tag
 _WRITER, _BELIEF = struct.Struct(">IH"), struct.Struct(">5f")
+_HEAD, _SLOT = 1 + _LONGEST_NAME + _WRITER.size, 1 + _LONGEST_NAME + _BELIEF.size  # bytes at most
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,12 +54,11 @@ def fit_maps(maps: tuple[WriterMap, ...], room_bytes: int) -> tuple[WriterMap, .
     Places are counted, not bytes, and the more writers there are, the fewer beliefs each has: so fitting
     before a merge and after it comes to the same.
     """
-    head, slot = 1 + _LONGEST_NAME + _WRITER.size, 1 + _LONGEST_NAME + _BELIEF.size
     fitting = [each for each in maps if len(each.writer.encode()) <= _LONGEST_NAME]
-    fitting = fitting[: max(0, room_bytes - 1) // (head + slot)]
+    fitting = fitting[: max(0, room_bytes - 1) // (_HEAD + _SLOT)]
     if not fitting:
         return ()
-    count = ((room_bytes - 1) // len(fitting) - head) // slot
+    count = ((room_bytes - 1) // len(fitting) - _HEAD) // _SLOT
     return tuple(
         WriterMap(
             each.writer,
@@ -67,6 +67,11 @@ def fit_maps(maps: tuple[WriterMap, ...], room_bytes: int) -> tuple[WriterMap, .
         )
         for each in fitting
     )
+
+
+def least_room() -> int:
+    """Return the bytes in which a map with one tag has room."""
+    return 1 + _HEAD + _SLOT
 
 
 def pack_maps(maps: tuple[WriterMap, ...]) -> bytes:

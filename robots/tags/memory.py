@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robots.planning.plan_grid import FREE, UNKNOWN, PlanGrid
-from robots.tags.map_memory import WriterMap, fit_maps, merge_maps
+from robots.tags.map_memory import WriterMap, fit_maps, least_room, merge_maps
 
 SIDE = 31  # cells, the largest window; all windows have an odd side
 CELL_M = 1.0
@@ -80,6 +80,11 @@ def side_for(room_bytes: int) -> int:
     """Return the side of the largest window in so many bytes of content; 1 at least, ``SIDE`` at most."""
     fitting = [side for side in range(1, SIDE + 1, 2) if _HEAD + window_bytes(side) <= room_bytes]
     return max(fitting, default=1)
+
+
+def room_for_maps() -> int:
+    """Return the bytes of content from which on a map has room beside the largest window."""
+    return _HEAD + window_bytes(SIDE) + least_room()
 
 
 def resized(cells: NDArray[np.uint8], side: int) -> NDArray[np.uint8]:

@@ -38,6 +38,8 @@ def test_derived_values():
         ({"tags_in_place": 3000}, "tags_in_place 3000"),
         ({"slam": (("r9", "odometry"),)}, "slam: there is no robot r9; robots are r1 to r4"),
         ({"slam": (("r1", "magic"),)}, "slam: 'magic' is unknown; use one of tag-graph"),
+        ({"tag_bits": 1000}, "no chip has 1000; use 0 for no memory, or 512, 896"),
+        ({"tags": "uhf", "agent_config": AgentConfig(map_memory=True)}, "2048 leave no room for maps"),
     ],
 )
 def test_what_cannot_be_played_is_named(changes, says):
