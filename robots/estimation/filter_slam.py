@@ -103,7 +103,7 @@ class FilterSlam(TrackedSlam):
         return self._filter.take_doubts()
 
     def predict(self, observation: Observation, moved: bool, slipping: bool) -> None:
-        """Move by wheels and inertial unit; slipping wheels count by half, and with all doubt (``slippage``).
+        """Move by wheels and inertial unit; slipping wheels count by a third, in doubt (``slippage``).
 
         Without ``moved`` the wheels do not count. Where the bumper is pressed they tell nothing.
         """

@@ -22,15 +22,15 @@ def test_lone_alarms_take_no_way_off():
     assert told(alarms) == (pytest.approx(400 * STEP_M), 0.0)
 
 
-def test_a_patch_of_which_half_alarms_counts_by_half_with_the_doubt_of_a_uniform_share():
+def test_a_patch_of_which_half_alarms_counts_as_a_whole_by_a_third_and_with_all_doubt():
     way, variance = told(np.arange(200) % 2 == 0)
-    rolled_m = 200 * STEP_M
-    assert way == pytest.approx(rolled_m / 2.0, rel=0.02)
-    assert variance == pytest.approx(rolled_m**2 / 12.0, rel=0.04)
+    before_m, rolled_m = 2 * STEP_M, 198 * STEP_M  # the first alarm alone tells nothing
+    assert way == pytest.approx(before_m + rolled_m / 3.0)
+    assert variance == pytest.approx(rolled_m**2 / 18.0)
 
 
 def test_patches_are_doubted_each_by_itself():
-    patch, grip = np.ones(100, bool), np.zeros(100, bool)
+    patch, grip = np.ones(100, bool), np.zeros(100, bool)  # 5 s each
     _, one = told(np.concatenate([patch, grip]))
     _, two = told(np.concatenate([patch, grip, patch, grip]))
     assert two == pytest.approx(2.0 * one, rel=0.1)
