@@ -101,8 +101,11 @@ class Robot:
     slam: str = field(init=False)
 
     def __post_init__(self) -> None:
-        """Look up the kind of SLAM that its agent was told."""
-        self.slam = codec.decode(self.record.config, AgentConfig).slam
+        """Look up the kind of SLAM that its agent was told; a damaged record must not hold up the others."""
+        try:
+            self.slam = codec.decode(self.record.config, AgentConfig).slam
+        except codec.CodecError:
+            self.slam = "unknown"
 
     @property
     def robot_id(self) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -15,12 +15,14 @@ from robots.graph_report import IntArray
 from robots.se2 import Array, Pose2
 from robots.sim.pilots import Agent, AgentFactory, DirectPilot, Merge, Pilot, RadioPilot
 from robots.sim.scenario import ScenarioConfig
-from robots.sim.score import Score, observable, score
+from robots.sim.score import CoverageLog, Score, observable, score
 from robots.sim.simulation import Simulation
 from robots.sim.starts import Victim
 from robots.sim.tags import BASE_TAG, Tag
-from robots.sim.world import World
+from robots.sim.world import Mask, World
 from robots.types import AgentUpdate, Observation
+
+SHARES = (0.5, 0.9, 0.99)  # of what can be seen
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,7 +73,10 @@ class RobotResult:
 
 @dataclass(frozen=True, eq=False)
 class SimulationResult:
-    """A whole mission. ``stopped`` when it was ended early; ``clock_s`` is how long it ran."""
+    """A whole mission. ``stopped`` when it was ended early; ``clock_s`` is how long it ran.
+
+    ``covered_s``: when each of ``SHARES`` of what can be seen was seen; None when it was not.
+    """
 
     config: ScenarioConfig
     world: World
@@ -79,6 +84,7 @@ class SimulationResult:
     tags: tuple[Tag, ...]
     robots: tuple[RobotResult, ...]
     score: Score
+    covered_s: Mapping[float, float | None]
     clock_s: float
     wall_s: float
     stopped: bool
@@ -151,12 +157,14 @@ def run(
         robot_id: radio(config, robot_id, DirectPilot(agents[robot_id], merge, logs[robot_id].note))
         for robot_id in config.robot_ids
     }
+    coverage = CoverageLog(_observable(simulation))
     stopped = False
     for _ in range(config.periods):
         batches = simulation.advance()
         simulation.apply(
             {name: pilots[name].decide(batch, simulation.clock_s) for name, batch in batches.items()}
         )
+        coverage.note(simulation.clock_s, simulation.seen)
         if progress is not None:
             progress(simulation)
         if stop():
@@ -173,7 +181,8 @@ def run(
         victims=simulation.victims,
         tags=simulation.tags.tags,
         robots=robots,
-        score=mission_score(simulation, [robot.victims_m for robot in robots]),
+        score=mission_score(simulation, [robot.victims_m for robot in robots], coverage.observable),
+        covered_s={share: coverage.reached_s(share) for share in SHARES},
         clock_s=simulation.clock_s,
         wall_s=wall_s,
         stopped=stopped,
@@ -186,18 +195,25 @@ def radio(config: ScenarioConfig, robot_id: str, pilot: Pilot) -> Pilot:
     return RadioPilot(pilot, cuts, config.silence) if cuts and config.agent == "server" else pilot
 
 
-def mission_score(simulation: Simulation, victims_m: Sequence[Array]) -> Score:
+def mission_score(
+    simulation: Simulation, victims_m: Sequence[Array], observable_cells: Mask | None = None
+) -> Score:
     """Return the score so far of robots that believe victims at ``victims_m``, (e, 2) each, in the world."""
     config = simulation.config
     estimates = np.concatenate([np.zeros((0, 2)), *victims_m])
     return score(
         simulation.world,
         simulation.seen,
-        observable(simulation.world, config.agent_config.body.radius_m, config.laser.range_max_m),
+        _observable(simulation) if observable_cells is None else observable_cells,
         sum(simulation.driven_m(robot_id) for robot_id in config.robot_ids),
         estimates,
         np.array([(victim.x_m, victim.y_m) for victim in simulation.victims]).reshape(-1, 2),
     )
+
+
+def _observable(simulation: Simulation) -> Mask:
+    config = simulation.config
+    return observable(simulation.world, config.agent_config.body.radius_m, config.laser.range_max_m)
 
 
 def _result(simulation: Simulation, robot_id: str, log: _Log, report: AgentUpdate) -> RobotResult:

@@ -11,6 +11,7 @@ from robots.sim.rays import look_round
 from robots.sim.world import Cells, Mask, World
 
 _LOOK_EVERY_M = 0.25
+_NOTE_EVERY_S = 1.0
 FOUND_WITHIN_M = 1.0
 
 
@@ -36,6 +37,28 @@ def observable(world: World, radius_m: float, range_max_m: float) -> Mask:
     rows, columns = np.nonzero(looked_from)
     mask: Mask = (look_round(world, rows, columns, range_max_m) > 0) & world.free
     return mask
+
+
+class CoverageLog:
+    """How much of what can be seen was seen, second by second."""
+
+    def __init__(self, observable_cells: Mask) -> None:
+        self.observable = observable_cells
+        self._total = max(1, int(observable_cells.sum()))
+        self._clocks_s: list[float] = []
+        self._shares: list[float] = []
+
+    def note(self, clock_s: float, seen: Cells) -> None:
+        """Note the share seen, (h, w), at most once a second."""
+        if not self._clocks_s or clock_s >= self._clocks_s[-1] + _NOTE_EVERY_S:
+            self._clocks_s.append(clock_s)
+            self._shares.append(int(((seen > 0) & self.observable).sum()) / self._total)
+
+    def reached_s(self, share: float) -> float | None:
+        """Return when a share was reached first, in seconds; None when it was not."""
+        return next(
+            (s for s, known in zip(self._clocks_s, self._shares, strict=True) if known >= share), None
+        )
 
 
 def found(estimates_m: Array, victims_m: Array) -> int:

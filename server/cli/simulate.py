@@ -211,6 +211,7 @@ def report(outcome: SimulationResult, out: Path | None) -> dict[str, Any]:
         "explored_m2": score.explored_m2,
         "observable_m2": score.observable_m2,
         "coverage": score.coverage,
+        "covered_s": {f"{share:.0%}": clock_s for share, clock_s in outcome.covered_s.items()},
         "distance_m": score.distance_m,
         "score": score.score_m,
         "victims_found": score.victims_found,

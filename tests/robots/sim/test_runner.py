@@ -27,6 +27,9 @@ def test_a_run_tells_what_happened(wanderer, merge):
         assert robot.distance_m == pytest.approx(moved, abs=0.05)
         assert robot.distance_m > 5.0
     assert 0.3 < result.score.coverage <= 1.0
+    reached = [at_s for at_s in result.covered_s.values() if at_s is not None]
+    assert reached == sorted(reached)
+    assert all((at_s is None) == (share > result.score.coverage) for share, at_s in result.covered_s.items())
     assert result.score.coverage == pytest.approx(result.score.explored_m2 / result.score.observable_m2)
     assert result.score.distance_m == pytest.approx(sum(robot.distance_m for robot in result.robots))
     assert result.tags_dropped == len(result.tags) - 1 == 3 * 8

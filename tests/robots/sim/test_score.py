@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from robots.sim.rays import cast
-from robots.sim.score import found, observable, score
+from robots.sim.score import CoverageLog, found, observable, score
 from robots.sim.world import World
 
 
@@ -58,3 +58,13 @@ def test_a_world_without_light_has_no_coverage(hall: World):
     assert (
         score(hall, np.ones_like(hall.cells), dark, 1.0, np.zeros((0, 2)), np.zeros((0, 2))).coverage == 0.0
     )
+
+
+def test_the_log_of_coverage_tells_when_a_share_was_reached():
+    everything = np.ones((10, 10), bool)
+    log, seen = CoverageLog(everything), np.zeros((10, 10), np.uint8)
+    for second in range(1, 9):
+        seen[second] = 1
+        log.note(float(second), seen)
+        log.note(second + 0.5, np.ones_like(seen))  # within the second: left out
+    assert [log.reached_s(share) for share in (0.0, 0.1, 0.15, 0.8, 0.9)] == [1.0, 1.0, 2.0, 8.0, None]

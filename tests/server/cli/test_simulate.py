@@ -16,6 +16,7 @@ KEYS = {
     "explored_m2",
     "observable_m2",
     "coverage",
+    "covered_s",
     "distance_m",
     "score",
     "victims_found",
