@@ -139,7 +139,8 @@ class Node:
             if len(starts) == 1 or not _are_one(self.blocks[0], self.blocks[1], scales, weights):
                 break
             del starts[1]
-        if not all(_is_sure(block, scales, mean_antennas, weights) for block in self.blocks):
+        by_signal = bool((noises[:, 1] > 0.0).any())  # from metres, the votes are sharp enough
+        if by_signal and not all(_is_sure(block, scales, mean_antennas, weights) for block in self.blocks):
             self.blocks = []
             return None
         self.gathered = Gathered()
