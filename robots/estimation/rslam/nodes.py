@@ -19,6 +19,8 @@ Noise = tuple[float, float]  # deviation in metres, or of the logarithm; the oth
 _GATHERED = 32  # ranges kept of a node without a place
 _FEWEST = 4  # that make a place
 _LONGER = 1.3  # than the way between them: by so much two ranges may differ
+_STRAIGHT = 0.35  # of the distance: a place known so well is one for a Kalman filter
+_MOST = 0.9  # of the particles
 _GONE = 1e-3  # a place with a smaller share is given up
 
 
@@ -137,6 +139,10 @@ class Node:
             if len(starts) == 1 or not _are_one(self.blocks[0], self.blocks[1], scales, weights):
                 break
             del starts[1]
+        by_signal = bool((noises[:, 1] > 0.0).any())  # from metres, the votes are sharp enough
+        if by_signal and not all(_is_sure(block, scales, mean_antennas, weights) for block in self.blocks):
+            self.blocks = []
+            return None
         self.gathered = Gathered()
         total: Array = np.logaddexp.reduce(evidence, axis=0)
         self.log_shares = evidence - total
@@ -185,6 +191,15 @@ class Node:
         """Let the offset change."""
         for block in self.blocks:
             age_offset(block, kept, gained)
+
+
+def _is_sure(block: Array, scales: Array, mean_antennas: Array, weights: Array) -> bool:
+    """Tell whether a place is known so well that ranges are straight over it, in most particles."""
+    places = block[:2] + block[3:5] * scales[0]
+    away = np.hypot(*(places - mean_antennas.mean(axis=0)[:, None]))
+    mean, half = (block[6] + block[8]) / 2.0, (block[6] - block[8]) / 2.0
+    longest = np.sqrt(mean + np.hypot(half, block[7]))  # of the ellipse
+    return bool((longest <= _STRAIGHT * away) @ weights > _MOST)
 
 
 def _are_one(first: Array, second: Array, scales: Array, weights: Array) -> bool:

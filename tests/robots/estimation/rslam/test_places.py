@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 
+from robots.config import RangeSlamConfig
+from robots.estimation.rslam.nodes import Node
 from robots.estimation.rslam.places import vote
 
 NODE = np.array([3.0, 8.0])
@@ -39,3 +41,28 @@ def test_from_about_one_point_it_is_left_open(count):
 def test_ranges_that_cannot_be_true_together_have_no_place():
     antennas = np.array([[0.0, 0.0], [100.0, 0.0], [0.0, 100.0], [100.0, 100.0]])
     assert vote(antennas, np.full(4, 5.0), by_metre(4, 0.1), (1.0, 0.05), 0.1) == ()
+
+
+def test_a_node_waits_for_its_place_while_signals_leave_it_too_wide_for_a_filter() -> None:
+    """Where signals pin a place badly, Gauss-Newton runs off: that was once taken for one known place."""
+    scales, weights = np.array([np.ones(20), np.full(20, 1e-3)]), np.full(20, 0.05)
+    placed = 0
+    for seed in range(80):
+        random, node = np.random.default_rng(seed), Node()
+        true, middle = random.uniform([-30.0, -30.0], [30.0, 30.0]), np.zeros(2)
+        heading, here = 0.0, np.zeros(2)
+        for step in range(150):
+            heading += 0.1 * random.standard_normal()
+            here = here + 0.5 * np.array([np.cos(heading), np.sin(heading)])
+            middle += (here - middle) / (step + 1)
+            heard_m = float(np.hypot(*(true - here)) * np.exp(0.45 * random.standard_normal()))
+            antennas = here[:, None] + 0.02 * step * random.standard_normal((2, 20))
+            if node.gathered.add(heard_m, (0.0, 0.45), antennas, weights):
+                node.place(scales, weights, RangeSlamConfig())
+            if node.is_placed:
+                break
+        placed += node.is_placed
+        for block in node.blocks:
+            away = np.hypot(*(block[:2] + block[3:5] - middle[:, None]))
+            assert np.median(np.sqrt((block[6] + block[8]) / 2.0) / away) < 0.45
+    assert placed > 20
