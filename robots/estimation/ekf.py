@@ -151,12 +151,14 @@ class EkfFilter:
         if last_s is None or self._config.error_lasts_s <= 0.0:
             return 1.0
         rho = exp(-max(sighting.stamp_s - last_s, _SAME_S) / self._config.error_lasts_s)
-        lasting = (1.0 + rho) / (1.0 - rho)
-        return 1.0 if sighting.independent else lasting
+        return (1.0 + rho) / (1.0 - rho)
 
     def _correct(self, state: TagState, trust: TagTrust, sighting: RangeSighting, thin: float) -> None:
         tag_id = sighting.tag_id
         antenna, seen = _numbers(sighting)
+        if sighting.independent:  # of the range alone: a cone tells the same at every sighting from one side
+            seen[3] *= thin
+            thin = 1.0
         distance = state.see(tag_id, antenna, seen, thin, self._config.gate_sd**2)
         if not trust.judge(tag_id, sighting.stamp_s, distance):
             return
@@ -180,6 +182,8 @@ class EkfFilter:
 
     def _place(self, sighting: RangeSighting) -> tuple[tuple[float, float], Array] | None:
         """Return where an unknown tag is in the base frame, with covariance; None while that is not known."""
+        if sighting.dropped is not None:
+            return sighting.dropped.place_m, sighting.dropped.covariance
         bearing, sd = sighting.bearing_rad, sighting.bearing_sd_rad
         if bearing is None or sd is None or sd > _BEAM_RAD:
             return self._waiting.add(sighting)

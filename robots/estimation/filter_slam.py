@@ -9,13 +9,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from math import hypot, sqrt
 
 import numpy as np
 
 from robots.config import AgentConfig
 from robots.estimation.anchor_log import AnchorLog
+from robots.estimation.drops import Drops
+from robots.estimation.odometry import motion_mean
 from robots.estimation.passage import Passage
 from robots.estimation.ranging import Ranging, seen_from_anchor
+from robots.estimation.slippage import Grip, Slippage
 from robots.estimation.smoothing import smooth_radio
 from robots.estimation.tag_filter import RangeSighting, TagFilter
 from robots.estimation.tracked import TrackedSlam
@@ -45,10 +49,14 @@ class FilterSlam(TrackedSlam):
         super().__init__(config, imu)
         self._robot_id = robot_id
         self._filter = make_filter(robot_id, config, self._start)
+        if imu is not None:  # the map begins at the heading that it tells
+            self._filter.predict(GaussianPose(Pose2(), np.diag([0.0, 0.0, config.imu.yaw_sd_rad**2])))
         self._log = AnchorLog(stamp_s, None if imu is None else imu.yaw_rad)
         self._ranging = Ranging(config)
+        self._drops, self._slippage = Drops(config), Slippage()
         self._taken = GaussianPose.exact()  # the tracker's pose since the anchor that the filter has
         self._anchors: list[Pose2] = [self._start]
+        self._unsure_m = 0.0  # of the way driven, made while the wheels slipped
         self._moved_m = 0.0  # by which corrections moved the robot since its plans were made
         self._memories: dict[str, bytes] = {}  # last read, by tag
         self._revisions: dict[str, int] = {}  # of other robots' maps, as far as they were taken in
@@ -93,6 +101,21 @@ class FilterSlam(TrackedSlam):
     def take_doubts(self) -> tuple[str, ...]:
         """Return, once, what is wrong with tags, ranges and maps."""
         return self._filter.take_doubts()
+
+    def predict(self, observation: Observation, moved: bool, slipping: bool) -> None:
+        """Move by wheels and inertial unit; slipping wheels count by a third, in doubt (``slippage``).
+
+        Without ``moved`` the wheels do not count. Where the bumper is pressed they tell nothing.
+        """
+        odometry = observation.odometry if moved else None
+        grip: Grip | None = None
+        if not observation.bumper:
+            way = motion_mean(odometry, None, self._config.body)
+            rolled_m = hypot(way.x, way.y)
+            grip = self._slippage.observe(observation.stamp_s, rolled_m, slipping)
+            self._unsure_m += grip.share * rolled_m if grip.share < 1.0 else 0.0
+        self._drops.follow(observation.tags_left, self.local_from_base, self.distance_m)
+        self._tracker.predict(observation.stamp_s, odometry, observation.imu, slipping, grip)
 
     def pass_tags(self, observation: Observation) -> Passage:
         """Let the filter follow and take in what was heard; keep an anchor here where one is due."""
@@ -156,17 +179,24 @@ class FilterSlam(TrackedSlam):
             return
         self._filter.predict(self._step())
         self._taken = self._tracker.anchor_from_base
-        compass_sd = self._config.imu.yaw_sd_rad
-        # its error stays for minutes: it can be believed again only where the heading is known less well
-        if imu is not None and self._filter.belief.covariance[2, 2] > compass_sd**2:
-            self._filter.see_heading(imu.yaw_rad, compass_sd)
+        if imu is None:
+            return
+        # its error stays for minutes: it tells the heading as well as itself, however often, and no better
+        known, compass = self._filter.belief.covariance[2, 2], self._config.imu.yaw_sd_rad**2
+        if known > compass:
+            self._filter.see_heading(imu.yaw_rad, sqrt(known * compass / (known - compass)))
 
     def _hear(self, afar: list[TagSighting], stamp_s: float) -> list[RangeSighting]:
         if self._config.poses != "slam":
             return []
-        ranged = [self._ranging.range(sighting, stamp_s, self.distance_m) for sighting in afar]
-        heard = [sighting for sighting in ranged if sighting is not None]
+        # a robot that slips may stand still, where the signals' errors stay the same
+        driven_m, here = self.distance_m - self._unsure_m, self.local_from_base
+        ranged = [self._ranging.range(sighting, stamp_s, driven_m, here) for sighting in afar]
+        heard = [self._with_drop(sighting) for sighting in ranged if sighting is not None]
         return [sighting for sighting in heard if self._filter.see(sighting)]
+
+    def _with_drop(self, sighting: RangeSighting) -> RangeSighting:
+        return replace(sighting, dropped=self._drops.place(sighting, self.local_from_base, self.distance_m))
 
     def _read_memory(self, sighting: TagSighting) -> None:
         if not sighting.memory or sighting.memory == self._memories.get(sighting.tag_id):

@@ -10,7 +10,7 @@ from robots.config import AgentConfig
 from robots.estimation.radio import RadioModel
 from robots.estimation.signal_mean import SignalAverager
 from robots.estimation.tag_filter import RangeSighting
-from robots.se2 import Array, GaussianPose
+from robots.se2 import Array, GaussianPose, Pose2
 from robots.types import RobotSighting, TagSighting
 
 
@@ -22,8 +22,14 @@ class Ranging:
         self._model = RadioModel(config.radio)
         self._signals = SignalAverager(config.radio)
 
-    def range(self, sighting: TagSighting, stamp_s: float, driven_m: float) -> RangeSighting | None:
+    def range(
+        self, sighting: TagSighting, stamp_s: float, driven_m: float, local_from_base: Pose2 | None = None
+    ) -> RangeSighting | None:
         """Return the range of a sighting from afar, made after ``driven_m`` of way; None while it tells none.
+
+        A mean of signals belongs to the middle of the places where they were read, which lies behind: told
+        as now, it would drag the robot back at every tag. ``local_from_base`` is the pose in a frame that
+        never jumps.
 
         Raises:
             ValueError: the signal is not finite.
@@ -31,15 +37,17 @@ class Ranging:
         median_m = log_sd = None
         direction = self._model.direction(sighting.antenna)
         bearing, bearing_sd = direction.bearing_rad, direction.bearing_sd_rad
+        base_from_antenna, here = direction.base_from_antenna, local_from_base or Pose2()
         if sighting.range_m is not None:
             range_m = sighting.range_m
             deviation = self._ranging.range_sd_m + self._ranging.range_sd_per_m * range_m
             if sighting.bearing_rad is not None:
                 bearing, bearing_sd = sighting.bearing_rad, self._ranging.bearing_sd_rad
         elif sighting.rssi_dbm is not None:
-            mean = self._signals.add(sighting.tag_id, sighting.antenna, sighting.rssi_dbm, driven_m)
+            mean = self._signals.add(sighting.tag_id, sighting.antenna, sighting.rssi_dbm, driven_m, here)
             if mean is None:
                 return None
+            base_from_antenna = here.between(mean.local_from_base) @ base_from_antenna
             told = self._model.range_of(mean.rssi_dbm, mean.readings)
             range_m, deviation = told.range_m, told.sd_m
             median_m, log_sd = told.median_m, told.log_sd
@@ -52,7 +60,7 @@ class Ranging:
             deviation,
             bearing,
             bearing_sd,
-            direction.base_from_antenna,
+            base_from_antenna,
             median_m,
             log_sd,
             independent=sighting.range_m is None,  # the mean of a place of its own

@@ -6,13 +6,13 @@ pairs, so all pairs are tried instead of random ones: the same readings give the
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from math import isfinite, sqrt
 
 import numpy as np
 
 from robots.config import RadioConfig
-from robots.se2 import Array
+from robots.se2 import Array, Pose2
 
 _FITS_SD = 2.5
 _FEWEST = 3  # readings that make a mean where a robot drives past with no time for more
@@ -20,11 +20,15 @@ _FEWEST = 3  # readings that make a mean where a robot drives past with no time 
 
 @dataclass(frozen=True, slots=True)
 class SignalMean:
-    """A mean of ``readings`` that agree; ``rejected`` were outliers."""
+    """A mean of ``readings`` that agree; ``rejected`` were outliers.
+
+    ``local_from_base``: where the robot was in the middle of them, in the tracker's frame.
+    """
 
     rssi_dbm: float
     readings: int
     rejected: int
+    local_from_base: Pose2 = field(default_factory=Pose2)
 
 
 def robust_mean(rssis_dbm: Array, fading_sd_db: float) -> SignalMean | None:
@@ -56,11 +60,12 @@ def robust_mean(rssis_dbm: Array, fading_sd_db: float) -> SignalMean | None:
 class _Window:
     """Readings of one tag at one antenna that wait to be averaged."""
 
-    __slots__ = ("last_m", "places_m", "rssis_dbm")
+    __slots__ = ("last_m", "places_m", "poses", "rssis_dbm")
 
     def __init__(self) -> None:
         self.rssis_dbm: list[float] = []
         self.places_m: list[float] = []
+        self.poses: list[Pose2] = []
         self.last_m: float | None = None  # where the last mean was given
 
 
@@ -75,7 +80,14 @@ class SignalAverager:
         self._config = config
         self._windows: dict[tuple[str, str | None], _Window] = {}
 
-    def add(self, tag_id: str, antenna: str | None, rssi_dbm: float, driven_m: float) -> SignalMean | None:
+    def add(
+        self,
+        tag_id: str,
+        antenna: str | None,
+        rssi_dbm: float,
+        driven_m: float,
+        local_from_base: Pose2 | None = None,
+    ) -> SignalMean | None:
         """Take one reading, made after ``driven_m`` of way; return a mean when it completes one.
 
         Raises:
@@ -87,6 +99,7 @@ class SignalAverager:
         window = self._windows.setdefault((tag_id, antenna), _Window())
         window.rssis_dbm.append(rssi_dbm)
         window.places_m.append(driven_m)
+        window.poses.append(local_from_base or Pose2())
         passed = driven_m - window.places_m[0] >= config.place_m
         if len(window.rssis_dbm) < config.readings and not (passed and len(window.rssis_dbm) >= _FEWEST):
             if passed:
@@ -100,8 +113,9 @@ class SignalAverager:
             self._keep(window, config.readings - 1)
             return None
         window.last_m = driven_m
+        middle = _middle(window.poses)
         self._keep(window, 0)
-        return mean
+        return replace(mean, local_from_base=middle)
 
     def _forget(self, window: _Window, driven_m: float) -> None:
         """Drop readings of places passed, of which there are too few."""
@@ -112,4 +126,9 @@ class SignalAverager:
     def _keep(window: _Window, count: int) -> None:
         """Keep the newest readings."""
         first = max(0, len(window.rssis_dbm) - count)
-        del window.rssis_dbm[:first], window.places_m[:first]
+        del window.rssis_dbm[:first], window.places_m[:first], window.poses[:first]
+
+
+def _middle(poses: list[Pose2]) -> Pose2:
+    x, y = np.array([(pose.x, pose.y) for pose in poses]).mean(axis=0).tolist()
+    return Pose2(x, y, poses[len(poses) // 2].theta)

@@ -5,8 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Protocol
 
-from robots.se2 import GaussianPose, Pose2
+from robots.se2 import Array, GaussianPose, Pose2
 from robots.tags.map_memory import TagBelief, WriterMap
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Dropped:
+    """Where the robot dropped a tag, in the base frame as it is now, with covariance (2, 2)."""
+
+    place_m: tuple[float, float]
+    covariance: Array
 
 
 @dataclass(frozen=True, slots=True)
@@ -16,6 +24,7 @@ class RangeSighting:
     ``range_m`` as measured, with whatever the radio adds to it. Of a signal strength, ``median_m`` and
     ``log_sd`` tell more: the logarithm of the range is normal about that of the median. ``independent``: the
     range's error has nothing to do with that of the tag's sighting before, as errors of range finders have.
+    ``dropped``: this robot dropped it a moment ago.
     """
 
     tag_id: str
@@ -28,6 +37,7 @@ class RangeSighting:
     median_m: float | None = None
     log_sd: float | None = None
     independent: bool = False
+    dropped: Dropped | None = None
 
 
 class TagFilter(Protocol):

@@ -107,7 +107,7 @@ class TagSlam(TrackedSlam):
             self._last_passed = (sighting.tag_id, self.distance_m)
         here = self.anchor_from_base
         for sighting in seen:
-            ranged = self._ranging.range(sighting, observation.stamp_s, self.distance_m)
+            ranged = self._ranging.range(sighting, observation.stamp_s, self.distance_m, self.local_from_base)
             if ranged is not None:
                 known |= self._graph.add_range(ranged, here)
                 placed = seen_from_anchor(replace(sighting, range_m=ranged.range_m), here, self._config)

@@ -19,6 +19,7 @@ from robots.estimation.local_map import LocalMap
 from robots.estimation.odometry import motion_covariance, motion_mean, predict
 from robots.estimation.scan_matching import match
 from robots.estimation.scan_points import ScanPoints, scan_points
+from robots.estimation.slippage import Grip
 from robots.se2 import Array, GaussianPose, Pose2, wrap
 from robots.types import ImuReading, LaserScan, Odometry
 
@@ -73,9 +74,17 @@ class PoseTracker:
         return self._joined[1]
 
     def predict(
-        self, stamp_s: float, odometry: Odometry | None, imu: ImuReading | None, slipping: bool
+        self,
+        stamp_s: float,
+        odometry: Odometry | None,
+        imu: ImuReading | None,
+        slipping: bool,
+        grip: Grip | None = None,
     ) -> None:
-        """Move by the wheels, turn by the inertial unit where there is one (eq. 1 and 2)."""
+        """Move by the wheels, turn by the inertial unit where there is one (eq. 1 and 2).
+
+        ``slipping``: the wheels say nothing about the distance; with ``grip``, how much they do.
+        """
         config = self._config
         since_s = 0.0 if self._stamp_s is None else max(stamp_s - self._stamp_s, 0.0)
         turn, turn_sd = None, None
@@ -86,14 +95,18 @@ class PoseTracker:
             self._yaw_rad = imu.yaw_rad
         self._stamp_s = stamp_s
         mean = motion_mean(odometry, turn, config.body)
-        if slipping:
-            mean = Pose2(0.0, 0.0, mean.theta)  # the wheels say nothing about the distance
+        if grip is not None:
+            mean = Pose2(grip.share * mean.x, grip.share * mean.y, mean.theta)
+        elif slipping:
+            mean = Pose2(0.0, 0.0, mean.theta)
         if config.poses == "truth":
             covariance = np.zeros((3, 3))
         else:
             arm_m = config.body.track_width_m / 2.0
-            slipping_s = since_s if slipping else 0.0
+            slipping_s = since_s if slipping and grip is None else 0.0
             covariance = motion_covariance(mean, config.odometry, arm_m, turn_sd, slipping_s)
+            if grip is not None:
+                covariance[0, 0] += grip.variance_m2
         self.distance_m += sqrt(mean.x**2 + mean.y**2)
         self._reference_from_base = predict(self._reference_from_base, GaussianPose(mean, covariance))
         self._settle(_BLIND_REFERENCE_M)  # never right before a match: a fresh reference counts as exact

@@ -63,3 +63,14 @@ def test_a_place_seen_from_a_pose_that_is_uncertain_is_more_uncertain():
     moved, wider = seen_from_anchor(sighting, GaussianPose(here, loose.covariance), CONFIG)
     assert moved == pytest.approx((-1.0, 0.0))
     assert wider.trace() > spread.trace()
+
+
+def test_a_mean_of_signals_belongs_to_the_middle_of_where_they_were_read():
+    ranging, signal = Ranging(CONFIG), RadioModel(CONFIG.radio).signal_dbm(8.0)
+    poses = [Pose2(0.04 * k, 0.0, 0.0) for k in range(CONFIG.radio.readings)]
+    told = [
+        ranging.range(TagSighting("A", rssi_dbm=signal), 0.1 * k, pose.x, pose)
+        for k, pose in enumerate(poses)
+    ]
+    mean = next(each for each in told if each is not None)
+    assert mean.base_from_antenna.x == pytest.approx(-poses[-1].x / 2.0)
