@@ -17,7 +17,7 @@ import numpy as np
 
 from robots.config import AgentConfig
 from robots.estimation.slam import Slam, begin_slam
-from robots.estimation.slip import SlipDetector
+from robots.estimation.slip.detector import SlipDetector
 from robots.exploration.explorer import Decision, Explorer
 from robots.mapping.map_keeper import MapKeeper
 from robots.planning.plan_grid import plan_grid

@@ -11,15 +11,15 @@ import numpy as np
 
 from robots.agent import RobotAgent
 from robots.config import AgentConfig
-from robots.estimation.cloud_matching import Cloud, Window, match_clouds
 from robots.estimation.contradiction import share_seen_through
-from robots.estimation.ekf import EkfFilter
-from robots.estimation.graph import solve
+from robots.estimation.ekf.filter import EkfFilter
+from robots.estimation.graph.solve import solve
 from robots.estimation.rslam.range_slam import RangeSlam
-from robots.estimation.scan_points import scan_points
-from robots.estimation.smoothing import smooth_radio
+from robots.estimation.scans.cloud_matching import Cloud, Window, match_clouds
+from robots.estimation.scans.points import scan_points
 from robots.estimation.tag_filter import RangeSighting
-from robots.estimation.tag_graph import TagGraph, graph_problem
+from robots.estimation.tag_graph.graph import TagGraph, graph_problem
+from robots.estimation.tag_graph.smoothing import smooth_radio
 from robots.se2 import GaussianPose, Pose2
 from robots.team import StartPose, TeamMap
 from robots.types import HeatReading, ImuReading, LaserScan, Observation, TagSighting, WheelEncoders

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from robots.estimation.range_views import as_sightings
+from robots.estimation.ranges.views import as_sightings
 from robots.graph_report import GraphReport, IntArray
 from robots.se2 import Array
 from server.schemas.findings import GraphEdgeOut, GraphVertexOut, RobotGraphOut

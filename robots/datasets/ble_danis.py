@@ -11,7 +11,7 @@ from math import dist, isfinite
 from pathlib import Path
 
 from robots.datasets.recording import RecordingError
-from robots.estimation.radio_fit import Collector, Signals
+from robots.estimation.radio.fit import Collector, Signals
 
 _MOST_BYTES = 200_000_000
 _FIELDS = 7  # that are needed; the rotation is not

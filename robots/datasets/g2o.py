@@ -13,9 +13,9 @@ from pathlib import Path
 
 import numpy as np
 
-from robots.estimation.graph_factors import link_chi2
-from robots.estimation.graph_problem import GraphError, GraphProblem, pieces
-from robots.estimation.graph_tree import spread_along_tree
+from robots.estimation.graph.factors import link_chi2
+from robots.estimation.graph.problem import GraphError, GraphProblem, pieces
+from robots.estimation.graph.tree import spread_along_tree
 from robots.graph_report import IntArray
 from robots.se2 import Array
 

@@ -14,8 +14,8 @@ from robots.agent import RobotAgent
 from robots.config import AgentConfig
 from robots.datasets import mission_log
 from robots.datasets.recording import RecordingError
-from robots.estimation.radio import RadioModel
-from robots.estimation.radio_fit import Collector, Signals
+from robots.estimation.radio.fit import Collector, Signals
+from robots.estimation.radio.model import RadioModel
 from robots.graph_report import GraphReport
 from robots.overrides import override
 from robots.se2 import Pose2

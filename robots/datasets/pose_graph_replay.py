@@ -16,8 +16,8 @@ from typing import Literal
 import numpy as np
 
 from robots.datasets.g2o import PoseGraph
-from robots.estimation.graph import GraphSolution, solve
-from robots.estimation.graph_incremental import IncrementalGraph
+from robots.estimation.graph.incremental import IncrementalGraph
+from robots.estimation.graph.solve import GraphSolution, solve
 from robots.graph_report import IntArray
 from robots.se2 import Array, Pose2, wrap_array
 from robots.trajectory import Trajectory

@@ -12,7 +12,7 @@ import numpy as np
 from robots.agent import ObservationError, RobotAgent
 from robots.config import AgentConfig
 from robots.datasets.recording import Recording
-from robots.estimation.range_views import as_sightings
+from robots.estimation.ranges.views import as_sightings
 from robots.graph_report import GraphReport
 from robots.overrides import override
 from robots.se2 import Array

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from robots.estimation.range_mean import RangeMean, table
+from robots.estimation.ranges.mean import RangeMean, table
 from robots.estimation.tag_filter import RangeSighting
 from robots.graph_report import GraphReport
 from robots.se2 import Array, GaussianPose, Pose2

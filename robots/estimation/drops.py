@@ -12,7 +12,7 @@ from math import atan2, hypot, log, sqrt
 import numpy as np
 
 from robots.config import AgentConfig
-from robots.estimation.ekf_waiting import range_of
+from robots.estimation.ekf.waiting import range_of
 from robots.estimation.tag_filter import Dropped, RangeSighting
 from robots.se2 import Pose2, wrap
 

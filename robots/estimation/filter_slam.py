@@ -18,10 +18,10 @@ from robots.estimation.anchor_log import AnchorLog
 from robots.estimation.drops import Drops
 from robots.estimation.odometry import motion_mean
 from robots.estimation.passage import Passage
-from robots.estimation.ranging import Ranging, seen_from_anchor
-from robots.estimation.slippage import Grip, Slippage
-from robots.estimation.smoothing import smooth_radio
+from robots.estimation.radio.ranging import Ranging, seen_from_anchor
+from robots.estimation.slip.patches import Grip, Slippage
 from robots.estimation.tag_filter import RangeSighting, TagFilter
+from robots.estimation.tag_graph.smoothing import smooth_radio
 from robots.estimation.tracked import TrackedSlam
 from robots.graph_report import GraphReport
 from robots.se2 import GaussianPose, Pose2, compose_jacobians

@@ -6,12 +6,12 @@ from collections.abc import Callable
 from typing import Protocol
 
 from robots.config import AgentConfig
-from robots.estimation.ekf import EkfFilter
+from robots.estimation.ekf.filter import EkfFilter
 from robots.estimation.filter_slam import FilterSlam
 from robots.estimation.passage import Passage
 from robots.estimation.rslam.range_slam import RangeSlam
 from robots.estimation.tag_filter import TagFilter
-from robots.estimation.tag_slam import TagSlam
+from robots.estimation.tag_graph.slam import TagSlam
 from robots.graph_report import GraphReport
 from robots.se2 import GaussianPose, Pose2
 from robots.tags.map_memory import TagBelief

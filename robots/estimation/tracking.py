@@ -15,11 +15,11 @@ import numpy as np
 from robots.config import AgentConfig
 from robots.estimation.contradiction import share_seen_through
 from robots.estimation.kalman import at_least, fuse
-from robots.estimation.local_map import LocalMap
 from robots.estimation.odometry import motion_covariance, motion_mean, predict
-from robots.estimation.scan_matching import match
-from robots.estimation.scan_points import ScanPoints, scan_points
-from robots.estimation.slippage import Grip
+from robots.estimation.scans.local_map import LocalMap
+from robots.estimation.scans.matching import match
+from robots.estimation.scans.points import ScanPoints, scan_points
+from robots.estimation.slip.patches import Grip
 from robots.se2 import Array, GaussianPose, Pose2, wrap
 from robots.types import ImuReading, LaserScan, Odometry
 

@@ -14,7 +14,7 @@ import numpy as np
 from scipy.special import betaincinv
 
 from robots.agent import RobotAgent
-from robots.estimation.tag_graph import solve_report
+from robots.estimation.tag_graph.graph import solve_report
 from robots.experiments import plotting
 from robots.experiments.experiment import Column, Experiment, Options, Row, finite
 from robots.experiments.parallel import in_parallel

@@ -18,8 +18,8 @@ from pathlib import Path
 import numpy as np
 
 from robots.config import AgentConfig
-from robots.estimation.graph import solve
-from robots.estimation.tag_graph import TagGraph, graph_problem
+from robots.estimation.graph.solve import solve
+from robots.estimation.tag_graph.graph import TagGraph, graph_problem
 from robots.experiments.buildings import GENERATED, Building, explore_all, plans, stage
 from robots.experiments.course import Course
 from robots.experiments.errors import NAMES, Judged, judge

@@ -15,8 +15,8 @@ from typing import Literal
 import numpy as np
 
 from robots.config import AgentConfig
-from robots.estimation.graph import solve
-from robots.estimation.tag_graph import TagGraph, graph_problem
+from robots.estimation.graph.solve import solve
+from robots.estimation.tag_graph.graph import TagGraph, graph_problem
 from robots.experiments import plotting
 from robots.experiments.buildings import GENERATED, Building, explore_all, stage
 from robots.experiments.course import Course

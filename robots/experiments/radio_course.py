@@ -18,9 +18,9 @@ from scipy.sparse.csgraph import dijkstra
 
 from robots.config import AgentConfig, OdometryConfig, RadioConfig, RangeSlamConfig
 from robots.estimation.odometry import motion_covariance
-from robots.estimation.radio import NODE, RadioModel
+from robots.estimation.radio.model import NODE, RadioModel
+from robots.estimation.radio.signal_mean import robust_mean
 from robots.estimation.rslam.range_slam import RangeSlam
-from robots.estimation.signal_mean import robust_mean
 from robots.estimation.tag_filter import RangeSighting
 from robots.se2 import Array, GaussianPose, Pose2
 from robots.sim.channel import Channel

@@ -13,7 +13,7 @@ import numpy as np
 from numba import njit
 
 from robots.config import AgentConfig, BodyConfig, OdometryConfig
-from robots.estimation.tag_graph import TagGraph
+from robots.estimation.tag_graph.graph import TagGraph
 from robots.experiments.course import Course
 from robots.graph_report import IntArray
 from robots.se2 import Array, GaussianPose, Pose2, wrap_array

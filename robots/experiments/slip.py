@@ -16,8 +16,8 @@ import numpy as np
 
 from robots.config import BodyConfig
 from robots.estimation.odometry import motion_mean
-from robots.estimation.slip import SlipDetector
-from robots.estimation.slip_tree import SlipTree, SlipTrees
+from robots.estimation.slip.detector import SlipDetector
+from robots.estimation.slip.tree import SlipTree, SlipTrees
 from robots.experiments.experiment import Column, Experiment, ExperimentError, Options, Row
 from robots.experiments.parallel import in_parallel
 from robots.experiments.plotting import BLUE, GREY, ORANGE, YELLOW, figure

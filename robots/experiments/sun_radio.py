@@ -10,8 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
-from robots.estimation.radio import NODE, RadioModel
-from robots.estimation.signal_mean import robust_mean
+from robots.estimation.radio.model import NODE, RadioModel
+from robots.estimation.radio.signal_mean import robust_mean
 from robots.experiments import plotting
 from robots.experiments.experiment import Column, Experiment, Options, Row, finite
 from robots.experiments.radio_course import SPIKE_DB, SPIKE_SHARE

@@ -17,9 +17,9 @@ import numpy as np
 
 from robots.agent import RobotAgent
 from robots.config import AgentConfig, DeploymentConfig, PlanningConfig
-from robots.estimation.radio import radio_for
+from robots.estimation.radio.model import radio_for
 from robots.estimation.slam import begin_slam
-from robots.estimation.slip import SlipDetector
+from robots.estimation.slip.detector import SlipDetector
 from robots.experiments.experiment import Column, Experiment, ExperimentError, Options, Row
 from robots.experiments.parallel import in_parallel
 from robots.experiments.ziparo_table2_plot import draw

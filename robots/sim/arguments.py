@@ -7,7 +7,7 @@ from math import radians
 from typing import get_args
 
 from robots.config import AgentConfig, PlanningConfig
-from robots.estimation.radio import ENVIRONMENTS, TagHardware
+from robots.estimation.radio.model import ENVIRONMENTS, TagHardware
 from robots.exploration.strategies import STRATEGIES
 from robots.sim.hostile import HostileConfig
 from robots.sim.scenario import (

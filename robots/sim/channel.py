@@ -1,7 +1,7 @@
 """What an antenna hears of tags: path loss, shadowing, walls on the way, cones.
 
-The numbers are those of ``robots.estimation.radio``, which the estimators have too; what they cannot know is
-here: the shadowing of each place, and the walls, traced through the grid for every link.
+The numbers are those of ``robots.estimation.radio.model``, which the estimators have too; what they cannot
+know is here: the shadowing of each place, and the walls, traced through the grid for every link.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from robots.config import RadioConfig
-from robots.estimation.radio import NEAREST_M, TagHardware
+from robots.estimation.radio.model import NEAREST_M, TagHardware
 from robots.se2 import Array
 from robots.sim.tags import Tag, TagField
 from robots.sim.world import WALL, Cells, World

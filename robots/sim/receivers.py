@@ -7,7 +7,7 @@ from math import floor, inf
 import numpy as np
 from numpy.typing import NDArray
 
-from robots.estimation.radio import Antenna
+from robots.estimation.radio.model import Antenna
 from robots.se2 import Array, Pose2
 from robots.sim.channel import SENSITIVITY_DBM, Channel
 from robots.sim.node_life import NodeLife

@@ -10,7 +10,7 @@ from typing import Literal, get_args, get_type_hints
 import numpy as np
 
 from robots.config import AgentConfig, OdometryConfig, RadioConfig
-from robots.estimation.radio import ENVIRONMENTS, TagHardware, radio_for
+from robots.estimation.radio.model import ENVIRONMENTS, TagHardware, radio_for
 from robots.overrides import override
 from robots.sim.generate import generate
 from robots.sim.hostile import HostileConfig, make_hostile

@@ -8,12 +8,12 @@ from typing import Literal
 
 import numpy as np
 
-from robots.estimation.blunders import way_tests
-from robots.estimation.graph import Marginals
-from robots.estimation.graph_problem import GraphError, assemble
-from robots.estimation.range_smoothing import smooth_ranges
-from robots.estimation.range_views import as_sightings
-from robots.estimation.tag_trust import Judgement, judge
+from robots.estimation.graph.blunders import way_tests
+from robots.estimation.graph.problem import GraphError, assemble
+from robots.estimation.graph.solve import Marginals
+from robots.estimation.ranges.smoothing import smooth_ranges
+from robots.estimation.ranges.views import as_sightings
+from robots.estimation.tag_graph.trust import Judgement, judge
 from robots.graph_report import GraphReport
 from robots.se2 import Array, Pose2, wrap
 from robots.team.frames import common_north, join_frames

@@ -14,7 +14,7 @@ from math import hypot, pi
 
 import numpy as np
 
-from robots.estimation.cloud_matching import Cloud, CloudMatch, Window, match_clouds
+from robots.estimation.scans.cloud_matching import Cloud, CloudMatch, Window, match_clouds
 from robots.graph_report import GraphReport
 from robots.mapping.clouds import surface_points
 from robots.mapping.submap import unpack

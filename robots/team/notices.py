@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from robots.estimation.tag_trust import Judgement, TagVerdict
+from robots.estimation.tag_graph.trust import Judgement, TagVerdict
 from robots.graph_report import GraphReport
 from robots.team.problem import JointProblem
 from robots.team.types import TeamNotice

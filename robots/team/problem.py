@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from robots.estimation.graph import GraphProblem
-from robots.estimation.range_views import RangeViews, as_sightings
+from robots.estimation.graph.solve import GraphProblem
+from robots.estimation.ranges.views import RangeViews, as_sightings
 from robots.graph_report import GraphReport, IntArray
 from robots.se2 import Array, Pose2
 from robots.team.frames import BIAS_SD_RAD

@@ -8,7 +8,7 @@ from math import atan2, hypot, sqrt
 
 import numpy as np
 
-from robots.estimation.range_views import RangeViews, views_of
+from robots.estimation.ranges.views import RangeViews, views_of
 from robots.graph_report import GraphReport
 from robots.se2 import wrap
 from robots.team.meetings import Meeting

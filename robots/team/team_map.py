@@ -45,7 +45,7 @@ class _Member:
 class TeamMap:
     """Joins robots by the tags they share and keeps one map of them.
 
-    ``method`` as in ``robots.estimation.graph.solve``.
+    ``method`` as in ``robots.estimation.graph.solve.solve``.
     """
 
     def __init__(self, resolution_m: float = 0.05, method: Method = "gauss-newton") -> None:

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from robots import codec
-from robots.estimation.graph import GraphError
+from robots.estimation.graph.solve import GraphError
 from robots.se2 import Pose2
 from robots.snapshot import SnapshotError
 from robots.types import AgentUpdate

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from robots.config import AgentConfig
-from robots.estimation.ekf import EkfFilter
+from robots.estimation.ekf.filter import EkfFilter
 from robots.estimation.tag_filter import RangeSighting
 from robots.se2 import Array, GaussianPose, Pose2, wrap
 

@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 
 from robots.datasets import g2o
-from robots.estimation.graph import solve as solve_graph
-from robots.estimation.graph_incremental import IncrementalGraph
-from robots.estimation.graph_problem import GraphProblem
+from robots.estimation.graph.incremental import IncrementalGraph
+from robots.estimation.graph.problem import GraphProblem
+from robots.estimation.graph.solve import solve as solve_graph
 from robots.se2 import Array, Pose2
 
 gtsam: Any = import_module("gtsam") if find_spec("gtsam") else None  # the rival is no dependency

@@ -9,8 +9,8 @@ from unittest.mock import patch
 import numpy as np
 
 from robots.config import GraphConfig
-from robots.estimation import tag_graph
-from robots.estimation.graph import GraphSolution
+from robots.estimation.graph.solve import GraphSolution
+from robots.estimation.tag_graph import graph as tag_graph
 from robots.graph_report import GraphReport
 from robots.sim.runner import run
 from robots.sim.scenario import ScenarioConfig

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from robots.config import ScanMatchConfig
-from robots.estimation.scan_matching import match_scans, reference_of
+from robots.estimation.scans.matching import match_scans, reference_of
 from robots.se2 import Array, GaussianPose, Pose2, wrap
 from robots.types import LaserScan
 from server.benchmarks.scan_pairs import ScanPair, buildings, pairs

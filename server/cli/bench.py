@@ -86,7 +86,7 @@ def _no_graph(name: str) -> Path:
 def _graph(name: str, path: Path | None) -> dict[str, Any]:
     """Measure with a graph; without one, with 50 vertices and 200 edges."""
     from robots.datasets import g2o
-    from robots.estimation.graph_problem import GraphError
+    from robots.estimation.graph.problem import GraphError
     from server.benchmarks import graphs
 
     try:

@@ -38,8 +38,8 @@ def fit_radio(
     from robots.datasets import ble_danis, log_signals
     from robots.datasets.radio_file import write_radio
     from robots.datasets.recording import RecordingError
-    from robots.estimation.radio_fit import FitError
-    from robots.estimation.radio_fit import fit_radio as fit
+    from robots.estimation.radio.fit import FitError
+    from robots.estimation.radio.fit import fit_radio as fit
 
     loaders = dict(zip(_FORMATS, (ble_danis.load_signals, log_signals.load_signals), strict=True))
     if dataset not in loaders:

@@ -167,7 +167,7 @@ def _replay_here(
     from robots.agent import ObservationError
     from robots.config import ConfigError
     from robots.datasets.replay import replay as run
-    from robots.estimation.graph import GraphError
+    from robots.estimation.graph.solve import GraphError
     from robots.evaluation import EvaluationError, read_relations
     from robots.outputs import write_team, write_trajectories
 

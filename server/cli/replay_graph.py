@@ -19,7 +19,7 @@ def replay_pose_graph(path: Path, slam: str | None, out: Path | None) -> dict[st
 
     from robots.datasets import g2o
     from robots.datasets.pose_graph_replay import replay_graph
-    from robots.estimation.graph import GraphError
+    from robots.estimation.graph.solve import GraphError
     from robots.outputs import write_trajectories
 
     form: Literal["tag-graph", "odometry"] = "odometry" if slam == "odometry" else "tag-graph"

@@ -38,8 +38,8 @@ def solve(
 ) -> None:
     """Solve a pose graph and print chi2 before and after, and the time that takes (warm, without reading)."""
     from robots.datasets import g2o
-    from robots.estimation.graph import GraphError
-    from robots.estimation.graph import solve as solve_graph
+    from robots.estimation.graph.solve import GraphError
+    from robots.estimation.graph.solve import solve as solve_graph
 
     if method not in ("gauss-newton", "linear"):
         raise CommandError(f"--method has to be gauss-newton or linear, not {method!r}")

@@ -16,7 +16,7 @@ from db.errors import DatabaseError
 from db.records import MissionRecord, ObservationRecord, RobotRecord
 from db.store import Store
 from robots import codec
-from robots.estimation.range_views import as_sightings
+from robots.estimation.ranges.views import as_sightings
 from robots.team import TeamGrid
 from robots.types import AgentUpdate, Observation
 from server.agents.host import Answer

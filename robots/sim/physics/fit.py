@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from robots.estimation.slip import SlipDetector
-from robots.estimation.slip_features import BASIC_FEATURES, EXTENDED_FEATURES
-from robots.estimation.slip_tree import Node, SlipTree, SlipTrees
+from robots.estimation.slip.detector import SlipDetector
+from robots.estimation.slip.features import BASIC_FEATURES, EXTENDED_FEATURES
+from robots.estimation.slip.tree import Node, SlipTree, SlipTrees
 from robots.se2 import Array
 from robots.sim.physics.drive import Drive, PhysicsError
 from robots.sim.physics.labels import true_motion

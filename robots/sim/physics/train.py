@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from robots.estimation.slip_tree import SlipTrees, dump_trees
+from robots.estimation.slip.tree import SlipTrees, dump_trees
 from robots.sim.physics.drive import PhysicsError, drive_world
 from robots.sim.physics.fit import Lessons, fit_trees, joined, lessons
 from robots.sim.physics.kinematic import drive_kinematic

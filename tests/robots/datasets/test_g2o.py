@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from robots.datasets import g2o
-from robots.estimation.graph import GraphError, solve
+from robots.estimation.graph.solve import GraphError, solve
 
 INFORMATION = "100 0 0 100 0 1000"
 SQUARE = f"""# a square

@@ -5,7 +5,7 @@ import pytest
 
 from robots.datasets import g2o
 from robots.datasets.pose_graph_replay import replay_graph
-from robots.estimation.graph import solve
+from robots.estimation.graph.solve import solve
 from robots.se2 import Pose2
 
 INFORMATION = "100 0 0 100 0 400"

@@ -6,7 +6,7 @@ from math import pi
 import numpy as np
 import pytest
 
-from robots.estimation.graph import GraphProblem
+from robots.estimation.graph.solve import GraphProblem
 from robots.estimation.tag_filter import RangeSighting
 from robots.se2 import GaussianPose, Pose2, wrap, wrap_array
 from robots.types import LaserScan

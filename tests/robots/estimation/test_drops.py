@@ -7,7 +7,7 @@ import pytest
 
 from robots.config import AgentConfig
 from robots.estimation.drops import Drops
-from robots.estimation.radio import RadioModel, radio_for
+from robots.estimation.radio.model import RadioModel, radio_for
 from robots.estimation.tag_filter import RangeSighting
 from robots.se2 import Pose2
 

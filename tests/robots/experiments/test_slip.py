@@ -5,7 +5,7 @@ import sys
 import numpy as np
 import pytest
 
-from robots.estimation.slip import SlipDetector
+from robots.estimation.slip.detector import SlipDetector
 from robots.experiments import slip
 from robots.experiments.experiment import ExperimentError, Options
 from robots.sim.physics.fit import Verdict

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from robots.config import RadioConfig
-from robots.estimation.radio import NODE, UHF, RadioModel, radio_for
+from robots.estimation.radio.model import NODE, UHF, RadioModel, radio_for
 from robots.sim.channel import WALL_DB, Channel
 from robots.sim.tags import TagField
 from robots.sim.world import GLASS, SMOKE, WALL, World

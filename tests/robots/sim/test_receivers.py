@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from robots.config import RadioConfig
-from robots.estimation.radio import UHF
+from robots.estimation.radio.model import UHF
 from robots.se2 import Pose2
 from robots.sim.channel import Channel
 from robots.sim.hostile import HostileConfig

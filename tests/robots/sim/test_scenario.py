@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from robots.config import AgentConfig, RadioConfig
-from robots.estimation.radio import radio_for
+from robots.estimation.radio.model import radio_for
 from robots.sim.arguments import add_scenario_arguments, parse_radio_cut, scenario_from_arguments
 from robots.sim.hostile import HostileConfig
 from robots.sim.scenario import RadioCut, ScenarioConfig, ScenarioError, build_world, parse_slam

@@ -12,7 +12,7 @@ from robots.config import RadioConfig
 from robots.datasets.log_signals import collect
 from robots.datasets.radio_file import read_radio
 from robots.datasets.recording import RecordingError
-from robots.estimation.radio_fit import Collector, fit_radio
+from robots.estimation.radio.fit import Collector, fit_radio
 from robots.sim.scenario import ScenarioConfig
 from robots.sim.simulation import Order, Simulation
 from server.cli.main import run

@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from robots.estimation.slip import SlipDetector
-from robots.estimation.slip_features import BASIC_FEATURES, EXTENDED_FEATURES
-from robots.estimation.slip_tree import parse_trees
+from robots.estimation.slip.detector import SlipDetector
+from robots.estimation.slip.features import BASIC_FEATURES, EXTENDED_FEATURES
+from robots.estimation.slip.tree import parse_trees
 from robots.se2 import Pose2
 from robots.sim.physics.build import TRACK_M, WHEELBASE_M, draw_build
 from robots.sim.physics.drive import PhysicsError, drive, drive_world

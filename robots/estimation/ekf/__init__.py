@@ -1,0 +1,1 @@
+"""EKF-SLAM over tags known by their ids (Ziparo 2007)."""

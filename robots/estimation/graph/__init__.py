@@ -1,0 +1,1 @@
+"""Pose graphs of poses and points: solved whole, or as they grow."""

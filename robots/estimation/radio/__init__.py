@@ -1,0 +1,1 @@
+"""What the signals of tags tell: path loss, means, ranges."""

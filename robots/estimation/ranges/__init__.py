@@ -1,0 +1,1 @@
+"""Batch smoothing of what was seen by range."""

@@ -1,0 +1,1 @@
+"""Matching laser scans and clouds of them."""

@@ -1,0 +1,1 @@
+"""Telling whether wheels slip."""
