@@ -145,7 +145,7 @@ def test_poses_left_behind_follow_the_tags_seen_from_them(tag_walk):
     assert np.mean(off) < 0.4
 
 
-DATA = Path(__file__).parents[4] / "shared" / "data" / "mrclam6.npz"
+DATA = Path(__file__).parents[5] / "shared" / "data" / "mrclam6.npz"
 
 
 @pytest.mark.skipif(not DATA.exists(), reason="the MRCLAM recording is not in ../shared/data")

@@ -10,7 +10,7 @@ import pytest
 from robots.datasets import g2o
 from robots.estimation.graph.solve import GraphError, GraphProblem, solve
 
-REAL = Path(__file__).parents[4] / "shared" / "data" / "posegraph"
+REAL = Path(__file__).parents[5] / "shared" / "data" / "posegraph"
 
 
 def spoiled(

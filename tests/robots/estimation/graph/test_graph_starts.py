@@ -13,7 +13,7 @@ from robots.estimation.graph.solve import GraphError, GraphProblem, solve
 from robots.estimation.graph.tree import along_tree
 from robots.se2 import Pose2, wrap_array
 
-REAL = Path(__file__).parents[4] / "shared" / "data" / "posegraph"
+REAL = Path(__file__).parents[5] / "shared" / "data" / "posegraph"
 
 
 def bad_starts(rng: np.random.Generator, problem: GraphProblem) -> dict[str, np.ndarray]:
