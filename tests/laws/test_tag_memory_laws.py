@@ -113,3 +113,14 @@ def test_the_newest_record_under_the_missions_seal_counts(a, b, revision, later)
         open_memory(seal(b"hello", 0, "A", KEY), "A", KEY)
     with pytest.raises(TagMemoryError, match="damaged or half written"):
         open_memory(old[:-1], "A", KEY)
+
+
+@given(st.integers(1, 12), st.integers(0, 40), ROOMS)
+def test_many_robots_with_many_tags_share_the_room(robots, tags, room):
+    full = tuple(
+        WriterMap(f"robot-{k:010d}", 1, tuple(TagBelief(f"tag-{j:012d}", 1, 2, 3, 0, 4) for j in range(tags)))
+        for k in range(robots)
+    )
+    fitted = TagMemory(np.full((SIDE, SIDE), CLOSED, np.uint8), full).fit(room)
+    assert len(encode_memory(fitted)) <= max(room, 3)
+    assert len({len(each.beliefs) for each in fitted.maps}) <= 1

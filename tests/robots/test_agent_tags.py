@@ -1,0 +1,62 @@
+"""Whom an agent believes of what it reads in tags, and what it leaves there."""
+
+import numpy as np
+import pytest
+
+from robots.agent import RobotAgent
+from robots.config import AgentConfig, TagMemoryConfig
+from robots.tags.memory import CLOSED, TagMemory
+from robots.tags.sealed import close_memory, open_memory
+from robots.types import DistanceTurn, ImuReading, LaserScan, Observation, TagSighting
+
+KEY = "00ff17"
+LIE = TagMemory(np.full((3, 3), CLOSED, np.uint8))
+
+
+def drive(memory: bytes):
+    """Drive a metre over open ground, past tag A half way; return the agent and what it wrote."""
+    agent = RobotAgent("r1", AgentConfig(tag_memory=TagMemoryConfig(key=KEY)))
+    writes = []
+    for seq in range(11):
+        scan = LaserScan(np.full(240, 3.0, np.float32), -2.0, 4.0 / 239, 4.0)
+        seen = (TagSighting("A", memory),) if seq == 5 else ()
+        odometry = DistanceTurn(0.1, 0.0) if seq else None
+        update = agent.step(
+            Observation(seq, 0.2 * seq, odometry, ImuReading(0.0), scan=scan, tag_sightings=seen)
+        )
+        writes += update.command.writes
+    return agent, writes
+
+
+def claimed(agent: RobotAgent) -> int:
+    grid = agent._explorer._grid
+    return int((agent._explorer.claims.survey(grid, {"A": (0.5, 0.0)}.get).claimed == CLOSED).sum())
+
+
+def test_what_the_mission_wrote_is_believed_and_kept():
+    agent, (write,) = drive(close_memory(LIE, 7, "A", bytes.fromhex(KEY), 196))
+    assert claimed(agent) > 0
+    says = open_memory(write.memory, "A", bytes.fromhex(KEY))
+    assert (says.trusted, says.next_revision) == (True, 9)
+    assert says.memory.merge(LIE) == says.memory
+
+
+@pytest.mark.parametrize(
+    "forged",
+    [
+        close_memory(LIE, 7, "A", b"stranger", 196),
+        close_memory(LIE, 7, "A", b"", 196),
+        close_memory(LIE, 7, "B", bytes.fromhex(KEY), 196),  # copied from another tag
+    ],
+    ids=["forged", "unsealed", "copied"],
+)
+def test_a_stranger_is_not_believed_and_its_memory_is_left_as_it_is(forged):
+    agent, writes = drive(forged)
+    assert claimed(agent) == 0
+    assert writes == []
+
+
+def test_an_empty_tag_gets_what_is_known():
+    agent, (write,) = drive(b"")
+    assert claimed(agent) == 0
+    assert open_memory(write.memory, "A", bytes.fromhex(KEY)).memory.cells.any()
