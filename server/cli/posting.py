@@ -54,7 +54,9 @@ def _post_robot(
 ) -> int:
     client = RobotClient(url, mission_id, robot_id, patience_s=15.0)
     try:
-        client.create_mission(f"{recording.name} recording")
+        # memories in the recording bear the seal under which they were written
+        tag_key = config.get("tag_memory", {}).get("key", "")
+        client.create_mission(f"{recording.name} recording", tag_key)
         start_pose = _start_pose(recording, robot_id)
         next_seq = int(client.register(agent="server", config=config, start_pose=start_pose)["next_seq"])
         if next_seq:
