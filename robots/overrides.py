@@ -58,6 +58,7 @@ def override(config: C, changes: dict[str, Any], where: str = "config") -> C:
         ConfigError: a name is unknown, or a value is of the wrong type or out of range; the message names it.
     """
     hints = get_type_hints(type(config))
+    # dataclasses have no common class to bind C to, so fields and replace cannot see that it is one
     known = {item.name: getattr(config, item.name) for item in fields(config)}  # type: ignore[arg-type]
     new: dict[str, Any] = {}
     for name, value in changes.items():

@@ -93,8 +93,9 @@ class SimulatedTag:
         return cls(chip, format_chip(chip, link)[0])
 
     def __eq__(self, other: object) -> bool:
-        same = isinstance(other, SimulatedTag) and self._chip == other._chip
-        return same and isinstance(other, SimulatedTag) and self._memory == other._memory
+        if not isinstance(other, SimulatedTag):
+            return NotImplemented
+        return self._chip == other._chip and self._memory == other._memory
 
     __hash__ = None  # type: ignore[assignment]  # it changes
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import reduce
 
 from robots.tags.content import decode_memory, encode_memory
 from robots.tags.memory import TagMemory, TagMemoryError
@@ -37,24 +39,18 @@ def open_memory(data: bytes, tag_id: str, key: bytes) -> TagSays:
     records = split(data)
     if not records:
         raise TagMemoryError("the tag's memory is damaged or half written; read it again")
-    newest = records[0]
-    for record in records[1:]:
-        if is_newer(revision_of(record), revision_of(newest)):
-            newest = record
-    following = revision_of(newest) + 1
     believed = [record for record in records if unseal(record, tag_id, key).trusted]
-    chosen = newest
-    if believed:
-        chosen = believed[0]
-        for record in believed[1:]:
-            if is_newer(revision_of(record), revision_of(chosen)):
-                chosen = record
-    return TagSays(decode_memory(unseal(chosen, tag_id, key).content), following, bool(believed))
+    content = unseal(_newest(believed or records), tag_id, key).content
+    return TagSays(decode_memory(content), revision_of(_newest(records)) + 1, bool(believed))
 
 
 def close_memory(memory: TagMemory, revision: int, tag_id: str, key: bytes, room_bytes: int) -> bytes:
     """Return the record to write into a tag with room for so many bytes of content."""
     return seal(encode_memory(memory.fit(room_bytes)), revision, tag_id, key)
+
+
+def _newest(records: Sequence[bytes]) -> bytes:
+    return reduce(lambda a, b: b if is_newer(revision_of(b), revision_of(a)) else a, records)
 
 
 def room_in(bits: int) -> int:

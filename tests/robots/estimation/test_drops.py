@@ -16,7 +16,7 @@ DROPPED_AT = Pose2(1.0, 2.0, 0.4)
 
 
 def heard(tag_id: str, antenna: str, away_m: float) -> RangeSighting:
-    direction = RADIO.direction(antenna)  # type: ignore[arg-type]
+    direction = RADIO.direction(antenna)
     told = RADIO.range_of(RADIO.signal_dbm(away_m), 10)
     return RangeSighting(
         tag_id,
