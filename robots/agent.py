@@ -198,6 +198,7 @@ class RobotAgent:
             observation.bumper,
             observation.held,
             partial(_place, slam),
+            observation.battery,
         )
 
     def _drop(self, observation: Observation, slam: Slam) -> bool:
@@ -215,7 +216,7 @@ class RobotAgent:
         except TagMemoryError:
             return
         if says.trusted:
-            self._explorer.claims.hear(sighting.tag_id, says.memory)
+            self._explorer.claims.hear(sighting.tag_id, says.memory, self._last.stamp_s)
 
     def _writes(self, sighting: TagSighting, slam: Slam) -> TagWrite | None:
         """Leave in the tag what is known round it, and where the others are, merged with what it said."""
