@@ -245,6 +245,10 @@ class VictimConfig:
     bearing_sd_rad: float = radians(6.0)
     same_within_m: float = 1.2  # readings this near to a victim are of it
     min_sightings: int = 3  # a lone false alarm is not a victim
+    look_m: float = 2.5  # a suspect this near and within the cone ought to be seen again
+    look_cone_rad: float = radians(50.0)
+    look_s: float = 2.0  # not seen again for so long, it was nothing
+    visit_s: float = 30.0  # at most so long for one suspect
 
 
 @dataclass(frozen=True, slots=True)
@@ -258,6 +262,9 @@ class PlanningConfig:
     explore: str = "waymark"
     min_frontier_m: float = 0.5
     stuck_after_s: float = 6.0
+    mission_s: float = 0.0  # the robot is back so long after it began; 0: the mission has no end
+    battery_per_m: float = 0.0006  # share that a metre takes, until the robot has learnt it
+    battery_reserve: float = 0.1  # what is left of it back at the base
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,21 +7,26 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from math import inf
 from zlib import crc32
 
 import numpy as np
 
 from robots.config import AgentConfig
+from robots.exploration.aim import Decision
 from robots.exploration.claims import PlaceOf
-from robots.exploration.explorer import Decision, Explorer
+from robots.exploration.explorer import Explorer
 from robots.mapping.fused import FusedGrid
+from robots.orders import RobotOrder
 from robots.planning.plan_grid import plan_grid
 from robots.se2 import Pose2
 from robots.tags.deployment import TagDropper
 from robots.tags.map_memory import MAX_BELIEFS, TagBelief, WriterMap
 from robots.tags.memory import TagMemory, TagMemoryError, observed_memory
 from robots.tags.sealed import close_memory, open_memory
-from robots.types import LaserScan, TagSighting, TagWrite
+from robots.types import FrontierReport, LaserScan, Suspect, TagSighting, TagWrite
+
+_TELL_EVERY_S = 1.0
 
 
 def _no_place(tag_id: str) -> tuple[float, float] | None:
@@ -50,6 +55,8 @@ class Situation:
     held: bool = False
     battery: float | None = None  # 0..1
     tags_left: int | None = None  # in the magazine
+    orders: tuple[RobotOrder, ...] = ()
+    suspects: tuple[Suspect, ...] = ()  # what may be a victim
     read: tuple[TagSighting, ...] = ()
     tag_place: PlaceOf = _no_place
     tag_places: Callable[[], Sequence[tuple[float, float]]] = tuple
@@ -79,6 +86,8 @@ class Scout:
         self.explorer = Explorer(config, (config.seed, own, 1))
         self._dropper = TagDropper(config.deployment, config.mapping, (config.seed, own, 2))
         self.decision = Decision(0.0, 0.0, "starting", "waiting for the first scan")
+        self._told: tuple[FrontierReport, ...] = ()
+        self._told_s = -inf
 
     @property
     def tags_left(self) -> int:
@@ -98,12 +107,31 @@ class Scout:
         """Say whether the next decision plans anew and so needs the map as it is now."""
         return self.explorer.plan_is_due(stamp_s)
 
+    def take_frontiers(self, stamp_s: float) -> tuple[FrontierReport, ...] | None:
+        """Return the edges it could go to where they changed since this was last asked, once a second."""
+        frontiers = self.explorer.frontiers
+        if frontiers == self._told or stamp_s < self._told_s + _TELL_EVERY_S:
+            return None
+        self._told, self._told_s = frontiers, stamp_s
+        return frontiers
+
     def step(self, now: Situation) -> Intent:
         """Decide where to go and whether to drop a tag, then believe what was read and answer it."""
         drop = False
+        self._dropper.magazine(now.tags_left)
+        for order in now.orders:
+            self.explorer.take(order, self._dropper.left)
         if now.scan is not None:
             self.decision = self.explorer.decide(
-                now.stamp_s, now.pose, now.fused, now.scan, now.bumper, now.held, now.tag_place
+                now.stamp_s,
+                now.pose,
+                now.fused,
+                now.scan,
+                now.bumper,
+                now.held,
+                now.tag_place,
+                battery=now.battery,
+                suspects=now.suspects,
             )
             drop = self._drop(now)
         for sighting in now.read:
@@ -112,9 +140,11 @@ class Scout:
         return Intent(self.decision, drop, tuple(w for w in writes if w is not None))
 
     def _drop(self, now: Situation) -> bool:
-        self._dropper.magazine(now.tags_left)
         if now.held:
             return False
+        if self.decision.drop_tag and self._dropper.drop_here(now.distance_m):
+            self.explorer.errands.tag_dropped()
+            return True
         return self._dropper.should_drop(now.distance_m, now.pose, now.fused, now.tag_places())
 
     def _hear(self, now: Situation, sighting: TagSighting) -> None:
