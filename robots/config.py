@@ -245,10 +245,14 @@ class VictimConfig:
     bearing_sd_rad: float = radians(6.0)
     same_within_m: float = 1.2  # readings this near to a victim are of it
     min_sightings: int = 3  # a lone false alarm is not a victim
-    look_m: float = 2.5  # a suspect this near and within the cone ought to be seen again
-    look_cone_rad: float = radians(50.0)
-    look_s: float = 2.0  # not seen again for so long, it was nothing
-    visit_s: float = 30.0  # at most so long for one suspect
+
+
+@dataclass(frozen=True, slots=True)
+class SafeGroundConfig:
+    """Strategies over safe and free ground (Amigoni 2013)."""
+
+    safe_m: float = 3.0  # so far round the robot the ground is safe
+    base_reach_m: float = 30.0  # at which the chance to reach the base by radio is 61 %
 
 
 @dataclass(frozen=True, slots=True)
@@ -260,6 +264,7 @@ class PlanningConfig:
     comfort_m: float = 0.45
     replan_every_s: float = 1.0
     explore: str = "waymark"
+    safe: SafeGroundConfig = field(default_factory=SafeGroundConfig)
     min_frontier_m: float = 0.5
     stuck_after_s: float = 6.0
     mission_s: float = 0.0  # the robot is back so long after it began; 0: the mission has no end

@@ -16,20 +16,19 @@ from robots.exploration.giving_way import give_way
 from robots.exploration.goals import Choice, Goals, strategy_of
 from robots.exploration.ground import Ground
 from robots.exploration.homing import Homing
-from robots.exploration.recovery import Recovery, place_ahead
+from robots.exploration.recovery import Blocked, Recovery, place_ahead
 from robots.exploration.strategy import ExplorationView
 from robots.exploration.suspects import Suspects
+from robots.exploration.trail import Trail, rest_of
 from robots.mapping.fused import FusedGrid
 from robots.orders import Methods, OrderReport, RobotOrder
 from robots.planning.following import follow
-from robots.planning.plan_grid import FREE, PlanGrid, plan_grid
+from robots.planning.plan_grid import FREE, PlanGrid, PlanGrids
 from robots.se2 import Array, Pose2
 from robots.types import FrontierReport, LaserScan, Suspect
 
-_BLOCKED_S = 40.0
 _ARRIVED_M = 0.3
 _LOOK_S = 4.0  # at a goal whose frontier does not vanish: so long it is looked at before it is put aside
-_BLOCKED_RADIUS_M = 0.35
 _REST_RECHECK_S = 5.0
 
 
@@ -44,16 +43,18 @@ class Explorer:
         self._config = config
         self._rng = np.random.default_rng(seed)
         self.claims = Claims()
+        self.grids = PlanGrids(config.body, config.planning, config.mapping)
+        self._trail = Trail()
         self.homing = Homing(config.planning, config.body)
         self.errands = Errands(Methods(explore=config.planning.explore))
         self.explored_m2 = 0.0
         self._goals = Goals(strategy_of(config.planning.explore))
-        self._suspects = Suspects(config.victims)
+        self._suspects = Suspects()
         self._recovery = Recovery(config.planning.stuck_after_s)
         self._aim: Aim | None = None
         self._planned_s: float | None = None
         self._grid: PlanGrid | None = None
-        self._blocked: list[tuple[float, float, float]] = []  # x, y, until: ground that cannot be driven
+        self._blocked = Blocked()
         self._arrived_s: float | None = None
         self._give_way_at: tuple[float, float] | None = None  # where somebody else seems to want to pass
         self._giving_way_until_s: float | None = None
@@ -106,6 +107,7 @@ class Explorer:
     ) -> Decision:
         """Return what to do now, from the pose in the map frame, the fused map and where tags are."""
         self.homing.observe(now_s, pose, battery)
+        self._trail.note(now_s, pose)
         if held or self.errands.holds:
             self._recovery.rest()
             why = "held by an order" if held else f"standing still, {self.errands.by}"
@@ -138,12 +140,11 @@ class Explorer:
 
     def _plan(self, now_s: float, pose: Pose2, fused: FusedGrid, place_of: PlaceOf) -> None:
         self._planned_s = now_s
-        self._blocked = [place for place in self._blocked if place[2] > now_s]
         if self._giving_way_until_s is not None:
             if now_s < self._giving_way_until_s:
                 return
             self._giving_way_until_s = None
-        grid = self._grid = self._plan_grid(fused)
+        grid = self._grid = self.grids.of(fused, self._blocked.discs(now_s))
         self.explored_m2 = float((grid.cells == FREE).sum()) * grid.cell_m**2
         ground = Ground.of(grid, pose)
         self._aim = self._give_way(now_s, ground) or self._next(now_s, ground, place_of)
@@ -168,10 +169,8 @@ class Explorer:
     def _explore(self, now_s: float, ground: Ground, edges: tuple[Frontier, ...], place_of: PlaceOf) -> Aim:
         """Head for the edge that is worth most; where none is left, back to the base."""
         goals = self._goals
-        survey = self.claims.survey(ground.grid, place_of)
-        choice = goals.choose(ExplorationView(ground.pose, goals.worth_going(edges, now_s), survey))
-        if choice is None and self._blocked:  # ground that was put aside is tried again before giving up
-            self._blocked = []
+        choice = goals.choose(self._view(now_s, ground, goals.worth_going(edges, now_s), place_of))
+        if choice is None and self._blocked.clear():  # ground left alone is tried before giving up
             self._planned_s = None
             return self._aim or Aim("rest", "exploring", "looking for a way")
         shut_off: tuple[Frontier, ...] = ()
@@ -187,6 +186,24 @@ class Explorer:
         goals.goal_m = None
         return self._finish(ground, (*edges, *shut_off), now_s)
 
+    def _view(
+        self, now_s: float, ground: Ground, edges: tuple[Frontier, ...], place_of: PlaceOf
+    ) -> ExplorationView:
+        battery = self.homing.battery
+        return ExplorationView(
+            pose=ground.pose,
+            frontiers=edges,
+            survey=self.claims.survey(ground.grid, place_of),
+            now_s=now_s,
+            grid=ground.grid,
+            costs=ground.costs,
+            trail=self._trail.points,
+            path_m=np.zeros((0, 2)) if self._aim is None else rest_of(self._aim.path, ground.pose),
+            tags=self.claims.tags(place_of),
+            battery=1.0 if battery is None else battery,
+            settings=self._config.planning,
+        )
+
     def _finish(self, ground: Ground, left: tuple[Frontier, ...], now_s: float) -> Aim:
         """Nothing is left to go to now: return to the base, out of the others' way."""
         again_s = self._goals.waiting(left, now_s)
@@ -199,10 +216,6 @@ class Explorer:
             is_ = "is" if len(left) == 1 else "are"
             return self.homing.aim(ground, f"{edges} of the unknown {is_} left that I could not see beyond")
         return self.homing.aim(ground, "no edge of the unknown is left that I can reach")
-
-    def _plan_grid(self, fused: FusedGrid) -> PlanGrid:
-        blocked = np.array([(x, y, _BLOCKED_RADIUS_M) for x, y, _ in self._blocked]).reshape(-1, 3)
-        return plan_grid(fused, self._config.body, self._config.planning, self._config.mapping, blocked)
 
     def _look(self, now_s: float, pose: Pose2, aim: Aim, at_end: bool) -> float | None:
         """Return how fast to turn (rad/s) to see what lies at the goal, None while driving there.
@@ -260,7 +273,7 @@ class Explorer:
             elif aim.kind == "suspect":
                 self._suspects.give_up()
         place = place_ahead(pose, self._config.body.radius_m + 0.25)
-        self._blocked.append((*place, now_s + _BLOCKED_S))
+        self._blocked.add(place, now_s)
         if self._recovery.keeps_failing:
             self._give_way_at = place
 

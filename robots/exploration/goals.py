@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import hypot
 
 import numpy as np
@@ -12,7 +12,7 @@ from robots.config import ConfigError
 from robots.exploration.frontiers import Frontier, find_frontiers, find_shut_off
 from robots.exploration.ground import Ground
 from robots.exploration.strategies import STRATEGIES
-from robots.exploration.strategy import ExplorationView, Strategy
+from robots.exploration.strategy import ExplorationView, OwnCandidates, Strategy
 from robots.types import FrontierReport
 
 MAX_REPORTED = 48
@@ -98,6 +98,7 @@ class Goals:
         """
         if not view.frontiers:
             return None
+        view = self._with_candidates(view)
         worths = self.strategy.worths(view)
         best = int(np.argmax(worths))
         if self.goal_m is not None:
@@ -109,6 +110,13 @@ class Goals:
                 best = same
         self.reports = _reports(view.frontiers, [float(worth) for worth in worths], best)
         return Choice(view.frontiers[best], self.strategy.reason(view, best))
+
+    def _with_candidates(self, view: ExplorationView) -> ExplorationView:
+        """Return the view with the strategy's own candidates, where it has any."""
+        if not isinstance(self.strategy, OwnCandidates):
+            return view
+        own = self.worth_going(self.strategy.candidates(view), view.now_s)
+        return replace(view, frontiers=own or view.frontiers[:1])
 
     def _aside_at(self, goal_m: tuple[float, float]) -> _Aside | None:
         near = [a for a in self._aside if hypot(goal_m[0] - a.x, goal_m[1] - a.y) < _ASIDE_M]

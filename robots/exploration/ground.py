@@ -37,28 +37,19 @@ class Ground:
 
         Of those equally near the one that is cheapest to reach.
         """
-        rows, columns = np.nonzero(self.costs != UNREACHED)
-        if len(rows) == 0:
+        cells = np.argwhere(self.costs != UNREACHED)
+        if len(cells) == 0:
             return None
-        grid = self.grid
-        dx = grid.origin[0] + (columns + 0.5) * grid.cell_m - x
-        dy = grid.origin[1] + (rows + 0.5) * grid.cell_m - y
-        far: Array = np.round(np.hypot(dx, dy), 3)
-        at = int(np.lexsort((self.costs[rows, columns], far))[0])
-        return None if far[at] > within_m else (int(rows[at]), int(columns[at]))
+        gaps = self.grid.centres_of(cells) - np.array([x, y])
+        far: Array = np.round(np.hypot(gaps[:, 0], gaps[:, 1]), 3)
+        at = int(np.lexsort((self.costs[cells[:, 0], cells[:, 1]], far))[0])
+        return None if far[at] > within_m else (int(cells[at, 0]), int(cells[at, 1]))
 
     def path_to(self, cell: tuple[int, int]) -> Array | None:
         """Return the way to a cell, (n, 2) points in the map frame; None where there is none."""
         grid = self.grid
         cells = find_path(grid, grid.cell_of(self.pose.x, self.pose.y), cell)
-        if cells is None:
-            return None
-        return np.column_stack(
-            [
-                grid.origin[0] + (cells[:, 1] + 0.5) * grid.cell_m,
-                grid.origin[1] + (cells[:, 0] + 0.5) * grid.cell_m,
-            ]
-        )
+        return None if cells is None else grid.centres_of(cells)
 
     def distance_m(self, x: float, y: float) -> float:
         """Return how far (m) a point of the map frame is as the crow flies."""

@@ -23,14 +23,17 @@ _JUMP_M = 0.5  # between two decisions: the map moved, not the robot
 
 
 class Homing:
-    """Watches battery and clock of one robot. The base is where its map began."""
+    """Watches battery and clock of one robot. The base is where its map began.
+
+    ``battery`` as last heard, 0..1, None while unknown.
+    """
 
     def __init__(self, planning: PlanningConfig, body: BodyConfig) -> None:
         self._planning = planning
         self._cruise_mps = _HASTE * body.max_speed_mps
+        self.battery: float | None = None
         self._begun_s: float | None = None
         self._pose: Pose2 | None = None
-        self._battery: float | None = None
         self._full = 1.0  # the battery when learning began
         self._driven_m = 0.0  # since then
         self._way_m = 0.0  # back to the base, when last known
@@ -40,7 +43,7 @@ class Homing:
     @property
     def use_per_m(self) -> float:
         """Share of the battery that a metre of driving takes, idle time included."""
-        used = 0.0 if self._battery is None else max(0.0, self._full - self._battery)
+        used = 0.0 if self.battery is None else max(0.0, self._full - self.battery)
         configured = self._planning.battery_per_m * _LEARNT_M
         return (configured + used) / (_LEARNT_M + self._driven_m)
 
@@ -55,9 +58,9 @@ class Homing:
         self._pose = pose
         if battery is None or not isfinite(battery):
             return
-        if self._battery is None or battery > self._battery + _CHANGED:
+        if self.battery is None or battery > self.battery + _CHANGED:
             self._full, self._driven_m, self._low = battery, 0.0, False
-        self._battery = battery
+        self.battery = battery
 
     def hear(self, pose: Pose2) -> None:
         """Note that others were heard here (map frame): the last contact."""
@@ -68,7 +71,7 @@ class Homing:
         home = ground.nearest(0.0, 0.0, HOME_M)
         if home is not None:
             self._way_m = ground.cost_m(home)
-        battery, planning = self._battery, self._planning
+        battery, planning = self.battery, self._planning
         if battery is not None:
             needed = planning.battery_reserve + _SAFETY * self.use_per_m * self._way_m
             self._low = self._low or battery <= needed
@@ -110,4 +113,4 @@ class Homing:
     def _falls_short(self, ground: Ground) -> bool:
         if ground.nearest(0.0, 0.0, _CROWDED_M) is None:
             return True
-        return self._battery is not None and self._battery < self.use_per_m * self._way_m
+        return self.battery is not None and self.battery < self.use_per_m * self._way_m

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import atan2, hypot
+from math import atan2, hypot, radians
 
-from robots.config import VictimConfig
 from robots.exploration.aim import Aim
 from robots.exploration.ground import Ground
 from robots.se2 import Pose2, wrap
@@ -14,14 +13,16 @@ from robots.types import Suspect
 _REACH_M = 6.0  # farther off it was seen from elsewhere, and is left
 _BESIDE_M = 1.2  # a body lies on ground that cannot be driven
 _NEAR_M = 0.7  # near enough to look
+_LOOK_M, _LOOK_CONE_RAD = 2.5, radians(50.0)  # so near and in the cone it ought to be seen again
+_LOOK_S = 2.0  # not seen again for so long, it was nothing
+_VISIT_S = 30.0  # at most so long for one
 _FRESH_S = 5.0  # seen longer ago, it is left: something else was more important then
 
 
 class Suspects:
     """Which suspect a robot is looking into; those it has looked into are not gone to again."""
 
-    def __init__(self, config: VictimConfig) -> None:
-        self._config = config
+    def __init__(self) -> None:
         self._now: Suspect | None = None
         self._looked_s = 0.0
         self._since_s = 0.0
@@ -79,14 +80,13 @@ class Suspects:
 
     def _look(self, suspect: Suspect, before: Suspect, pose: Pose2, passed_s: float, now_s: float) -> None:
         """Count how long it has been in view without being seen again; so long, it was nothing."""
-        config = self._config
         x, y = suspect.place_m
         bearing = wrap(atan2(y - pose.y, x - pose.x) - pose.theta)
         if suspect.sightings > before.sightings:
             self._looked_s = 0.0
-        elif abs(bearing) < config.look_cone_rad / 2.0 and pose_gap(pose, suspect) < config.look_m:
+        elif abs(bearing) < _LOOK_CONE_RAD / 2.0 and pose_gap(pose, suspect) < _LOOK_M:
             self._looked_s += min(passed_s, 1.0)
-        if self._looked_s > config.look_s or now_s - self._since_s > config.visit_s:
+        if self._looked_s > _LOOK_S or now_s - self._since_s > _VISIT_S:
             self.give_up()
 
     def _is_fresh(self, suspect: Suspect, now_s: float, pose: Pose2) -> bool:
