@@ -10,6 +10,9 @@ from itertools import pairwise
 from math import cos, radians, sin
 from typing import Literal
 
+from robots.exploration.settings import KleinerConfig, SafeGroundConfig, ZiparoConfig
+from robots.scan_config import LoopConfig, ScanMatchConfig
+
 
 class ConfigError(ValueError):
     """A setting is unknown, of the wrong type or out of range; the message names it."""
@@ -69,24 +72,6 @@ class ImuConfig:
 
     yaw_sd_rad: float = radians(1.0)
     yaw_drift_sd_rad: float = radians(0.16)  # of a difference over a short time
-
-
-@dataclass(frozen=True, slots=True)
-class ScanMatchConfig:
-    """Matching a scan against a local map of the most recent scans."""
-
-    local_scans: int = 25
-    insert_after_m: float = 0.25
-    insert_after_rad: float = radians(15.0)
-    max_far_fraction: float = 0.82  # Kleiner 2006 theta, as a fraction of the beams
-    max_range_m: float = 30.0
-    min_points: int = 20
-    max_correction_m: float = 0.6
-    max_correction_rad: float = radians(25.0)
-    point_sd_m: float = 0.03
-    min_overlap: float = 0.45
-    map_sd_m: float = 0.008  # error of the local map itself, over about a metre of driving
-    map_sd_rad: float = radians(0.2)
 
 
 @dataclass(frozen=True, slots=True)
@@ -191,21 +176,6 @@ class EkfConfig:
 
 
 @dataclass(frozen=True, slots=True)
-class LoopConfig:
-    """Loops closed by laser at tags that are seen again."""
-
-    laser: bool = True
-    reach_m: float = 4.0  # scans of so much driving before and after a sighting make up its surroundings
-    key_scan_m: float = 0.2  # one scan is kept each so far,
-    key_scan_rad: float = radians(12.0)  # or after such a turn
-    earlier_sightings: int = 3  # that a new one is matched with
-    window_m: float = 0.7  # how far off the graph may be
-    window_rad: float = radians(30.0)
-    min_overlap: float = 0.8
-    min_margin: float = 0.1
-
-
-@dataclass(frozen=True, slots=True)
 class DeploymentConfig:
     """Dropping tags (Kleiner 2006 section III)."""
 
@@ -248,14 +218,6 @@ class VictimConfig:
 
 
 @dataclass(frozen=True, slots=True)
-class SafeGroundConfig:
-    """Strategies over safe and free ground (Amigoni 2013)."""
-
-    safe_m: float = 3.0  # so far round the robot the ground is safe
-    base_reach_m: float = 30.0  # at which the chance to reach the base by radio is 61 %
-
-
-@dataclass(frozen=True, slots=True)
 class PlanningConfig:
     """Where to go and how."""
 
@@ -264,7 +226,10 @@ class PlanningConfig:
     comfort_m: float = 0.45
     replan_every_s: float = 1.0
     explore: str = "waymark"
+    kleiner: KleinerConfig = field(default_factory=KleinerConfig)
+    ziparo: ZiparoConfig = field(default_factory=ZiparoConfig)
     safe: SafeGroundConfig = field(default_factory=SafeGroundConfig)
+    local_map_m: float = 0.0  # plan on a square of this side that goes along with the robot; 0: on the map
     min_frontier_m: float = 0.5
     stuck_after_s: float = 6.0
     mission_s: float = 0.0  # the robot is back so long after it began; 0: the mission has no end

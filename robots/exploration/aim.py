@@ -25,6 +25,13 @@ class Aim:
     goal_m: tuple[float, float] | None = None
     path: Array = field(default_factory=lambda: np.zeros((0, 2)))
 
+    @property
+    def looking(self) -> str:
+        """What it does at the end of the way, in words."""
+        if self.kind == "suspect":
+            return "looking whether what was warm is a victim"
+        return "looking round at the edge of the unknown"
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Decision:

@@ -17,14 +17,15 @@ from robots.exploration.goals import Choice, Goals, strategy_of
 from robots.exploration.ground import Ground
 from robots.exploration.homing import Homing
 from robots.exploration.recovery import Blocked, Recovery, place_ahead
-from robots.exploration.strategy import ExplorationView
+from robots.exploration.strategy import ExplorationView, PlansLocally
 from robots.exploration.suspects import Suspects
-from robots.exploration.trail import Trail, rest_of
+from robots.exploration.trail import Trail, is_at_end, rest_of
 from robots.mapping.fused import FusedGrid
 from robots.orders import Methods, OrderReport, RobotOrder
 from robots.planning.following import follow
+from robots.planning.gaussian_costs import with_gaussian_costs
 from robots.planning.plan_grid import FREE, PlanGrid, PlanGrids
-from robots.se2 import Array, Pose2
+from robots.se2 import Pose2
 from robots.types import FrontierReport, LaserScan, Suspect
 
 _ARRIVED_M = 0.3
@@ -68,6 +69,13 @@ class Explorer:
     def frontiers(self) -> tuple[FrontierReport, ...]:
         """The edges of the unknown it could go to at the last plan, best first."""
         return self._goals.reports
+
+    @property
+    def local_map_m(self) -> float:
+        """The side of the square round the robot that it plans on; 0 where it plans on the whole map."""
+        strategy = self._goals.strategy
+        own = strategy.local_map_m if isinstance(strategy, PlansLocally) else 0.0
+        return self._config.planning.local_map_m or own
 
     def replan(self) -> None:
         """Plan anew at the next decision: the map has moved."""
@@ -126,14 +134,14 @@ class Explorer:
         aim, tag = self._aim, self.errands.tag_wanted
         if aim is None or self._grid is None:
             return Decision(0.0, 0.0, "starting", "waiting for the first scan", drop_tag=tag)
-        at_end = _is_at_end(aim.path, pose)
+        at_end = is_at_end(aim.path, pose)
         if aim.kind == "rest" or (aim.kind == "place" and at_end):
             self._recovery.rest()
             return Decision(0.0, 0.0, aim.activity, aim.reason, aim.goal_m, drop_tag=tag)
         turn = self._look(now_s, pose, aim, at_end)
         if turn is not None:
             self._recovery.rest()
-            return Decision(0.0, turn, aim.activity, self._looking(aim), aim.goal_m, drop_tag=tag)
+            return Decision(0.0, turn, aim.activity, aim.looking, aim.goal_m, drop_tag=tag)
         linear, angular = follow(aim.path, pose, self._grid, scan, self._config.body)
         path = aim.path.astype(np.float32)
         return Decision(linear, angular, aim.activity, aim.reason, aim.goal_m, path, tag)
@@ -144,7 +152,7 @@ class Explorer:
             if now_s < self._giving_way_until_s:
                 return
             self._giving_way_until_s = None
-        grid = self._grid = self.grids.of(fused, self._blocked.discs(now_s))
+        grid = self._grid = self._plan_grid(now_s, fused)
         self.explored_m2 = float((grid.cells == FREE).sum()) * grid.cell_m**2
         ground = Ground.of(grid, pose)
         self._aim = self._give_way(now_s, ground) or self._next(now_s, ground, place_of)
@@ -217,6 +225,11 @@ class Explorer:
             return self.homing.aim(ground, f"{edges} of the unknown {is_} left that I could not see beyond")
         return self.homing.aim(ground, "no edge of the unknown is left that I can reach")
 
+    def _plan_grid(self, now_s: float, fused: FusedGrid) -> PlanGrid:
+        grid = self.grids.of(fused, self._blocked.discs(now_s))
+        local = isinstance(self._goals.strategy, PlansLocally)
+        return with_gaussian_costs(grid, self._config.planning.ziparo) if local else grid
+
     def _look(self, now_s: float, pose: Pose2, aim: Aim, at_end: bool) -> float | None:
         """Return how fast to turn (rad/s) to see what lies at the goal, None while driving there.
 
@@ -235,11 +248,6 @@ class Explorer:
         if now_s - self._arrived_s > _LOOK_S:
             self._put_aside(goal, now_s)
         return turn
-
-    def _looking(self, aim: Aim) -> str:
-        if aim.kind == "suspect":
-            return "looking whether what was warm is a victim"
-        return "looking round at the edge of the unknown"
 
     def _put_aside(self, goal: tuple[float, float], now_s: float) -> None:
         self._goals.put_aside(goal, now_s)
@@ -289,7 +297,3 @@ class Explorer:
         self._giving_way_until_s = now_s + wait_s
         self._goals.goal_m = None
         return aim
-
-
-def _is_at_end(path: Array, pose: Pose2) -> bool:
-    return len(path) == 0 or hypot(path[-1, 0] - pose.x, path[-1, 1] - pose.y) < _ARRIVED_M
