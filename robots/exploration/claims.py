@@ -21,16 +21,37 @@ _PER_CELL = round(CELL_M / LATTICE_M)
 PlaceOf = Callable[[str], tuple[float, float] | None]  # of a tag in the map frame, None where unknown
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class KnownTag:
+    """A tag of the mission that was read: where it is believed, what it said, when it was read last."""
+
+    tag_id: str
+    place_m: tuple[float, float]
+    memory: TagMemory
+    read_s: float
+
+
 class Claims:
     """The memories read so far, by tag."""
 
     def __init__(self) -> None:
         self._memories: dict[str, TagMemory] = {}
+        self._read_s: dict[str, float] = {}
 
-    def hear(self, tag_id: str, memory: TagMemory) -> None:
+    def hear(self, tag_id: str, memory: TagMemory, now_s: float = 0.0) -> None:
         """Take in what a tag of the mission says."""
         known = self._memories.get(tag_id, TagMemory.empty())
         self._memories[tag_id] = known.merge(TagMemory(memory.cells))
+        self._read_s[tag_id] = now_s
+
+    def tags(self, place_of: PlaceOf) -> tuple[KnownTag, ...]:
+        """Return the tags that were read and have a place, by id."""
+        places = ((tag_id, place_of(tag_id)) for tag_id in sorted(self._memories))
+        return tuple(
+            KnownTag(tag_id, place, self._memories[tag_id], self._read_s[tag_id])
+            for tag_id, place in places
+            if place is not None
+        )
 
     def survey(self, grid: PlanGrid, place_of: PlaceOf) -> Survey:
         """Return what is unknown, here and to all whose word was read, as the tags lie now."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import hypot
 
 import numpy as np
@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 from robots.config import AgentConfig, ConfigError
 from robots.exploration.claims import Claims, PlaceOf
 from robots.exploration.frontiers import Frontier, find_frontiers, find_shut_off
-from robots.exploration.recovery import Recovery, place_ahead
+from robots.exploration.recovery import Recovery, place_ahead, spot_aside
 from robots.exploration.strategies import STRATEGIES
-from robots.exploration.strategy import ExplorationView
+from robots.exploration.strategy import ExplorationView, OwnCandidates
+from robots.exploration.trail import Trail, rest_of
 from robots.mapping.fused import FusedGrid
 from robots.planning.following import follow
 from robots.planning.plan_grid import FREE, PlanGrid, plan_grid
@@ -31,8 +32,6 @@ _ASIDE_S = 60.0
 _ASIDE_M = 0.7
 _BLOCKED_RADIUS_M = 0.35
 _HOME_M = 1.5  # near enough to where it started: others may stand there too
-_OPEN_STEP = 5  # cost of a cell with nothing near
-_ASIDE_FROM_M, _ASIDE_TO_M = 1.0, 5.0  # how far to go to give way
 _GIVE_WAY_S = (5.0, 15.0)
 _DONE_RECHECK_S = 5.0
 
@@ -65,6 +64,7 @@ class Explorer:
         self._rng = np.random.default_rng(seed)
         self._strategy = STRATEGIES[config.planning.explore]()
         self.claims = Claims()
+        self._trail = Trail()
         self.explored_m2 = 0.0
         self._goal_m: tuple[float, float] | None = None
         self._reason = "waiting for the first scan"
@@ -98,8 +98,10 @@ class Explorer:
         bumped: bool,
         held: bool,
         place_of: PlaceOf = lambda tag_id: None,
+        battery: float | None = None,
     ) -> Decision:
         """Return what to do now, from the pose in the map frame, the fused map and where tags are."""
+        self._trail.note(now_s, pose)
         if held:
             self._recovery.rest()
             return Decision(0.0, 0.0, "holding", "held by an order", self._goal_m)
@@ -107,7 +109,7 @@ class Explorer:
         if recovery is not None:
             return recovery
         if self.plan_is_due(now_s) and fused.cells.size:
-            self._plan(now_s, pose, fused, place_of)
+            self._plan(now_s, pose, fused, place_of, 1.0 if battery is None else battery)
         if self._done:
             return Decision(0.0, 0.0, "done", self._reason)
         if self._grid is None:
@@ -122,7 +124,7 @@ class Explorer:
         activity: Activity = "returning" if self._returning else "exploring"
         return Decision(linear, angular, activity, self._reason, self._goal_m, self._path.astype(np.float32))
 
-    def _plan(self, now_s: float, pose: Pose2, fused: FusedGrid, place_of: PlaceOf) -> None:
+    def _plan(self, now_s: float, pose: Pose2, fused: FusedGrid, place_of: PlaceOf, battery: float) -> None:
         config = self._config
         self._planned_s = now_s
         self._blocked = [place for place in self._blocked if place[2] > now_s]
@@ -138,7 +140,20 @@ class Explorer:
         if self._give_way_at is not None and self._give_way(now_s, pose, grid, costs):
             return
         frontiers = self._worth_going(find_frontiers(grid, costs, config.planning.min_frontier_m))
-        goal = self._choose(ExplorationView(pose, frontiers, self.claims.survey(grid, place_of)))
+        view = ExplorationView(
+            pose=pose,
+            frontiers=frontiers,
+            survey=self.claims.survey(grid, place_of),
+            now_s=now_s,
+            grid=grid,
+            costs=costs,
+            trail=self._trail.points,
+            path_m=rest_of(self._path, pose),
+            tags=self.claims.tags(place_of),
+            battery=battery,
+            settings=config.planning,
+        )
+        goal = self._choose(self._with_candidates(view))
         if goal is None and self._blocked:  # ground that was put aside is tried again before giving up
             self._blocked = []
             self._planned_s = None
@@ -158,7 +173,7 @@ class Explorer:
             self._path = np.zeros((0, 2))
             return
         self._goal_m = frontier.goal_m
-        self._path = _points(grid, cells)
+        self._path = grid.centres_of(cells)
         self._reason = f"driving {frontier.cost_m:.0f} m to {why}"
 
     def _go_home(self, pose: Pose2, grid: PlanGrid, costs: NDArray[np.int32]) -> None:
@@ -169,9 +184,16 @@ class Explorer:
         if hypot(pose.x, pose.y) > _HOME_M and grid.holds(*home) and costs[home] != UNREACHED:
             cells = find_path(grid, grid.cell_of(pose.x, pose.y), home)
             if cells is not None:
-                self._path, self._done = _points(grid, cells), False
+                self._path, self._done = grid.centres_of(cells), False
                 return
         self._path, self._done = np.zeros((0, 2)), True
+
+    def _with_candidates(self, view: ExplorationView) -> ExplorationView:
+        """Return the view with the strategy's own candidates, where it has any."""
+        if not isinstance(self._strategy, OwnCandidates):
+            return view
+        own = self._worth_going(self._strategy.candidates(view))
+        return replace(view, frontiers=own) if own else replace(view, frontiers=view.frontiers[:1])
 
     def _worth_going(self, frontiers: tuple[Frontier, ...]) -> tuple[Frontier, ...]:
         return tuple(f for f in frontiers if not _near(f.goal_m, self._aside, _ASIDE_M))
@@ -251,24 +273,13 @@ class Explorer:
         self._recovery.forget()
         if place is None:
             return False
-        cost_m = costs / 5.0 * grid.cell_m
-        rows, columns = np.nonzero(
-            (costs != UNREACHED)
-            & (grid.steps == _OPEN_STEP)
-            & (cost_m > _ASIDE_FROM_M)
-            & (cost_m < _ASIDE_TO_M)
-        )
-        if len(rows) == 0:
+        spot = spot_aside(grid, costs, place, self._rng)
+        if spot is None:
             return False
-        x = grid.origin[0] + (columns + 0.5) * grid.cell_m
-        y = grid.origin[1] + (rows + 0.5) * grid.cell_m
-        far = np.hypot(x - place[0], y - place[1])
-        choices = np.argsort(-far, kind="stable")[: max(1, len(far) // 4)]
-        at = int(choices[self._rng.integers(len(choices))])
-        cells = find_path(grid, grid.cell_of(pose.x, pose.y), (int(rows[at]), int(columns[at])))
+        cells = find_path(grid, grid.cell_of(pose.x, pose.y), spot)
         if cells is None:
             return False
-        self._path = _points(grid, cells)
+        self._path = grid.centres_of(cells)
         self._goal_m = None
         self._giving_way_until_s = now_s + float(self._rng.uniform(*_GIVE_WAY_S))
         self._reason = "giving way: somebody may want to pass here"
@@ -281,13 +292,3 @@ def _is_at_end(path: Array, pose: Pose2) -> bool:
 
 def _near(point: tuple[float, float], places: list[tuple[float, float, float]], within_m: float) -> bool:
     return any(hypot(point[0] - x, point[1] - y) < within_m for x, y, _ in places)
-
-
-def _points(grid: PlanGrid, cells: NDArray[np.int32]) -> Array:
-    """Return the centres of the cells, (n, 2) metres in the map frame."""
-    return np.column_stack(
-        [
-            grid.origin[0] + (cells[:, 1] + 0.5) * grid.cell_m,
-            grid.origin[1] + (cells[:, 0] + 0.5) * grid.cell_m,
-        ]
-    )

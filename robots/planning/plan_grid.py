@@ -38,6 +38,11 @@ class PlanGrid:
         """Return the centre (x, y) of a cell in the map frame."""
         return self.origin[0] + (column + 0.5) * self.cell_m, self.origin[1] + (row + 0.5) * self.cell_m
 
+    def centres_of(self, cells: NDArray[np.integer]) -> NDArray[np.float64]:
+        """Return the centres (n, 2), x and y in the map frame, of cells (n, 2), row and column."""
+        centres: NDArray[np.float64] = np.array(self.origin) + (cells[:, ::-1] + 0.5) * self.cell_m
+        return centres
+
     def holds(self, row: int, column: int) -> bool:
         """Say whether the cell lies in the grid."""
         rows, columns = self.cells.shape

@@ -1,0 +1,167 @@
+"""A robot but for its senses of place: where to go, what tags say and are told, where to drop them.
+
+Whoever knows the pose and the map steps it: an agent that estimates both, or an experiment with true poses.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from zlib import crc32
+
+import numpy as np
+
+from robots.config import AgentConfig
+from robots.exploration.claims import PlaceOf
+from robots.exploration.explorer import Decision, Explorer
+from robots.mapping.fused import FusedGrid
+from robots.planning.plan_grid import plan_grid
+from robots.se2 import Pose2
+from robots.tags.deployment import TagDropper
+from robots.tags.map_memory import MAX_BELIEFS, TagBelief, WriterMap
+from robots.tags.memory import TagMemory, TagMemoryError, observed_memory
+from robots.tags.sealed import close_memory, open_memory
+from robots.types import LaserScan, TagSighting, TagWrite
+
+
+def _no_place(tag_id: str) -> tuple[float, float] | None:
+    return None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Situation:
+    """What a scout is told at a time, in the map frame.
+
+    ``fused`` as drawn for the last plan, or anew where ``plan_is_due``; without ``scan`` nothing is decided.
+    ``seq`` is that of the observation before this one, None at the first. ``north``: the map's x axis points
+    north, so that what is told of the ground round a tag can be understood. ``tag_place`` gives where a tag
+    is believed, None where unknown; ``tag_places`` all that are known; ``own_map`` the tags as measured by
+    this robot, to be left in memories.
+    """
+
+    stamp_s: float
+    pose: Pose2
+    fused: FusedGrid
+    distance_m: float
+    seq: int | None = None
+    north: bool = True
+    scan: LaserScan | None = None
+    bumper: bool = False
+    held: bool = False
+    battery: float | None = None  # 0..1
+    tags_left: int | None = None  # in the magazine
+    read: tuple[TagSighting, ...] = ()
+    tag_place: PlaceOf = _no_place
+    tag_places: Callable[[], Sequence[tuple[float, float]]] = tuple
+    own_map: Callable[[], Sequence[TagBelief]] = tuple
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Intent:
+    """What a scout means to do: drive, drop a tag, write into those just read."""
+
+    decision: Decision
+    drop: bool = False
+    writes: tuple[TagWrite, ...] = field(default=())
+
+
+class Scout:
+    """Explores for one robot. Its draws follow from the configuration's seed and the robot's id.
+
+    Raises:
+        ConfigError: a setting of ``config`` names something that does not exist.
+    """
+
+    def __init__(self, robot_id: str, config: AgentConfig) -> None:
+        self.robot_id = robot_id
+        self.config = config
+        own = crc32(robot_id.encode())  # robots told the same seed must not draw alike
+        self.explorer = Explorer(config, (config.seed, own, 1))
+        self._dropper = TagDropper(config.deployment, config.mapping, (config.seed, own, 2))
+        self.decision = Decision(0.0, 0.0, "starting", "waiting for the first scan")
+
+    @property
+    def tags_left(self) -> int:
+        """Tags in the magazine."""
+        return self._dropper.left
+
+    @property
+    def explored_m2(self) -> float:
+        """Free ground in the map at the last plan."""
+        return self.explorer.explored_m2
+
+    def replan(self) -> None:
+        """Plan anew at the next decision: the map has moved."""
+        self.explorer.replan()
+
+    def plan_is_due(self, stamp_s: float) -> bool:
+        """Say whether the next decision plans anew and so needs the map as it is now."""
+        return self.explorer.plan_is_due(stamp_s)
+
+    def step(self, now: Situation) -> Intent:
+        """Decide where to go and whether to drop a tag, then believe what was read and answer it."""
+        drop = False
+        if now.scan is not None:
+            self.decision = self.explorer.decide(
+                now.stamp_s,
+                now.pose,
+                now.fused,
+                now.scan,
+                now.bumper,
+                now.held,
+                now.tag_place,
+                now.battery,
+            )
+            drop = self._drop(now)
+        for sighting in now.read:
+            self._hear(now, sighting)
+        writes = tuple(self._writes(now, sighting) for sighting in now.read)
+        return Intent(self.decision, drop, tuple(w for w in writes if w is not None))
+
+    def _drop(self, now: Situation) -> bool:
+        self._dropper.magazine(now.tags_left)
+        if now.held:
+            return False
+        return self._dropper.should_drop(now.distance_m, now.pose, now.fused, now.tag_places())
+
+    def _hear(self, now: Situation, sighting: TagSighting) -> None:
+        """Believe what a tag of the mission says of the ground round it; its frame needs a compass."""
+        if not now.north:
+            return
+        try:
+            says = open_memory(sighting.memory, sighting.tag_id, self.config.tag_memory.key_bytes)
+        except TagMemoryError:
+            return
+        if says.trusted:
+            self.explorer.claims.hear(sighting.tag_id, says.memory, now.stamp_s)
+
+    def _writes(self, now: Situation, sighting: TagSighting) -> TagWrite | None:
+        """Leave in the tag what is known round it, and where the others are, merged with what it said."""
+        tag_id, told = sighting.tag_id, self.config.tag_memory
+        try:
+            says = open_memory(sighting.memory, tag_id, told.key_bytes)
+        except TagMemoryError:
+            return None
+        if not says.trusted:
+            return None  # a stranger's memory is left as it is
+        mine = TagMemory(self._coverage(now, tag_id).cells, self._map_to_leave(now))
+        memory = says.memory.merge(mine).fit(told.room_bytes)
+        if memory == says.memory:
+            return None
+        record = close_memory(memory, says.next_revision, tag_id, told.key_bytes, told.room_bytes)
+        return TagWrite(tag_id, record)
+
+    def _coverage(self, now: Situation, tag_id: str) -> TagMemory:
+        """Return what is known of the ground round a tag; its frame needs a compass."""
+        place = now.tag_place(tag_id) if now.north else None
+        if place is None:
+            return TagMemory.empty()
+        config = self.config
+        grid = plan_grid(now.fused, config.body, config.planning, config.mapping, np.zeros((0, 3)))
+        return observed_memory(grid, *place)
+
+    def _map_to_leave(self, now: Situation) -> tuple[WriterMap, ...]:
+        if not self.config.map_memory or now.seq is None:
+            return ()
+        beliefs = tuple(now.own_map()[:MAX_BELIEFS])
+        return (WriterMap(self.robot_id, now.seq, beliefs),) if beliefs else ()
