@@ -6,7 +6,7 @@ Whoever knows the pose and the map steps it: an agent that estimates both, or an
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from zlib import crc32
 
 import numpy as np
@@ -19,7 +19,8 @@ from robots.planning.plan_grid import plan_grid
 from robots.se2 import Pose2
 from robots.tags.deployment import TagDropper
 from robots.tags.map_memory import MAX_BELIEFS, TagBelief, WriterMap
-from robots.tags.memory import TagMemory, TagMemoryError, observed_memory
+from robots.tags.memory import TagMemory, TagMemoryError
+from robots.tags.observed import observed_memory
 from robots.tags.sealed import close_memory, open_memory
 from robots.types import LaserScan, TagSighting, TagWrite
 
@@ -144,7 +145,7 @@ class Scout:
             return None
         if not says.trusted:
             return None  # a stranger's memory is left as it is
-        mine = TagMemory(self._coverage(now, tag_id).cells, self._map_to_leave(now))
+        mine = replace(self._coverage(now, tag_id), maps=self._map_to_leave(now))
         memory = says.memory.merge(mine).fit(told.room_bytes)
         if memory == says.memory:
             return None

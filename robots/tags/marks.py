@@ -1,9 +1,9 @@
 """What stands in a tag beside windows and maps: victims, notes of people, and who passed with which goal.
 
 Each is a set that merges: of one victim and one passer the greatest entry counts, notes only add up. Of
-victims and passers, whose entries have one length, a small chip keeps the greatest. Notes have any length: the
-newest have room, and the number of the newest that had none is kept, for older ones to go wherever they meet
-it; without it the order of visits would decide what stays.
+victims and passers, whose entries have one length, a small chip keeps the greatest. Notes have any length:
+the newest have room, and the number of the newest that had none is kept, for older ones to go wherever they
+meet it; without it the order of visits would decide what stays.
 Places are metres north and west of the tag.
 """
 
@@ -12,9 +12,10 @@ from __future__ import annotations
 import struct
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import TypeVar
 from zlib import crc32
 
-MAX_VICTIMS, MAX_PASSES, MAX_NOTES = 255, 255, 64
+MAX_MARKS, MAX_NOTES = 255, 64
 MAX_NAME, MAX_TEXT = 16, 120  # bytes
 _VICTIM, _PASS = struct.Struct(">HhhBH"), struct.Struct(">HBbb")
 _NOTE = struct.Struct(">H")
@@ -100,6 +101,9 @@ class Notes:
         return 2 + _GONE.size + sum(map(_note_bytes, self.notes)) if self.notes else 0
 
 
+Mark = TypeVar("Mark", VictimMark, Pass)
+
+
 def goal_mark(robot_id: str, count: int, north_m: float, west_m: float) -> Pass:
     """Return the entry of a robot that goes to a place relative to the tag."""
     north, west = (max(-127, min(127, round(value / _HALF_M))) for value in (north_m, west_m))
@@ -119,13 +123,13 @@ def note_of(author: str, text: str, notes: Notes) -> Note:
     return Note(min(max(newest, default=0) + 1, 65535), _cut(author, MAX_NAME), _cut(text, MAX_TEXT))
 
 
-def merged_marks[M: (VictimMark, Pass)](*marks: M, most: int = 255) -> tuple[M, ...]:
-    """Return the greatest entry of each key, the greatest first, and no more than ``most``."""
-    greatest: dict[int, M] = {}
+def merged_marks(*marks: Mark) -> tuple[Mark, ...]:
+    """Return the greatest entry of each key, the greatest first, and no more than 255."""
+    greatest: dict[int, Mark] = {}
     for each in marks:
         if each.key not in greatest or greatest[each.key] < each:
             greatest[each.key] = each
-    return tuple(sorted(greatest.values(), reverse=True)[: max(0, most)])
+    return tuple(sorted(greatest.values(), reverse=True)[:MAX_MARKS])
 
 
 def victims_in(room_bytes: int) -> int:
@@ -140,14 +144,12 @@ def passes_in(room_bytes: int) -> int:
 
 def pack_victims(victims: Sequence[VictimMark]) -> bytes:
     """Return one byte for their number and nine for each."""
-    return _packed(
-        _VICTIM.pack(v.key, v.north_dm, v.west_dm, v.confidence, v.seen_min) for v in victims[:MAX_VICTIMS]
-    )
+    return _packed(_VICTIM.pack(v.key, v.north_dm, v.west_dm, v.confidence, v.seen_min) for v in victims)
 
 
 def pack_passes(passes: Sequence[Pass]) -> bytes:
     """Return one byte for their number and five for each."""
-    return _packed(_PASS.pack(p.key, p.count, p.north, p.west) for p in passes[:MAX_PASSES])
+    return _packed(_PASS.pack(p.key, p.count, p.north, p.west) for p in passes)
 
 
 def pack_notes(notes: Notes) -> bytes:
@@ -216,7 +218,7 @@ def _unpacked(data: bytes, entry: struct.Struct) -> tuple[list[tuple[int, ...]],
     return list(entry.iter_unpack(data[1:end])), end
 
 
-def _ordered[M: (VictimMark, Pass)](marks: tuple[M, ...]) -> tuple[M, ...]:
+def _ordered(marks: tuple[Mark, ...]) -> tuple[Mark, ...]:
     if merged_marks(*marks) != marks:
         raise MarkError("its marks are out of order")
     return marks

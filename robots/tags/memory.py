@@ -18,7 +18,7 @@ go from tag to tag without being drawn anew. Of windows on two lattices the grea
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -65,9 +65,9 @@ class TagMemory:
     cells: NDArray[np.uint8]
     maps: tuple[WriterMap, ...] = ()
     victims: tuple[VictimMark, ...] = ()
-    notes: Notes = Notes()
+    notes: Notes = field(default_factory=Notes)
     passes: tuple[Pass, ...] = ()
-    visited: NDArray[np.uint8] = no_cells()  # noqa: RUF009  nobody writes into it
+    visited: NDArray[np.uint8] = field(default_factory=no_cells)
     phase: int = CENTRED
     reach: int = REACH
     visited_reach: int = VISITED_REACH
@@ -95,7 +95,8 @@ class TagMemory:
     @property
     def frontiers_m(self) -> Array:
         """Open cells, (n, 2), metres north and west of the tag."""
-        return places_of(self.cells == OPEN, CELL_M) + self.shift_m
+        found: Array = places_of(self.cells == OPEN, CELL_M) + np.array(self.shift_m)
+        return found
 
     @property
     def visited_m(self) -> Array:
@@ -206,7 +207,8 @@ def phase_of(x_m: float, y_m: float, lattice_m: tuple[float, float]) -> int:
 
 def places_of(held: NDArray[np.bool_], cell_m: float) -> Array:
     """Return the centres of cells of a window, (n, 2), metres north and west of its middle."""
-    places: Array = (np.argwhere(held) - len(held) // 2) * cell_m
+    places: Array = np.argwhere(held).astype(np.float64) - len(held) // 2
+    places *= cell_m
     return places
 
 

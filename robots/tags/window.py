@@ -1,4 +1,4 @@
-"""Windows of cells of three states round a tag, and their bytes: five cells in one, only what holds something.
+"""Windows of cells of three states round a tag, and their bytes: five cells in one of them.
 
 A window is uint8 (s, s), s odd; rows go north (x of the frame), columns west (y), the tag lies in the middle
 cell. Its bytes hold the box round all cells that are not 0. A box only grows when windows are merged, so what
@@ -64,7 +64,11 @@ def cost(cells: Cells, reach: int) -> int:
 
 def fitting_reach(cells: Cells, most: int, room_bytes: int) -> int:
     """Return the greatest reach up to ``most`` at which the window has room; -1 where none has."""
-    return next((k for k in range(most, -1, -1) if cost(cells, k) <= room_bytes), -1)
+    low, high = -1, most  # the cost grows with the reach
+    while low < high:
+        middle = (low + high + 1) // 2
+        low, high = (middle, high) if cost(cells, middle) <= room_bytes else (low, middle - 1)
+    return low
 
 
 def pack(cells: Cells, reach: int) -> bytes:
