@@ -248,6 +248,14 @@ class VictimConfig:
 
 
 @dataclass(frozen=True, slots=True)
+class SafeGroundConfig:
+    """Strategies over safe and free ground (Amigoni 2013)."""
+
+    safe_m: float = 3.0  # so far round the robot the ground is safe
+    base_reach_m: float = 30.0  # at which the chance to reach the base by radio is 61 %
+
+
+@dataclass(frozen=True, slots=True)
 class PlanningConfig:
     """Where to go and how."""
 
@@ -256,6 +264,7 @@ class PlanningConfig:
     comfort_m: float = 0.45
     replan_every_s: float = 1.0
     explore: str = "waymark"
+    safe: SafeGroundConfig = field(default_factory=SafeGroundConfig)
     min_frontier_m: float = 0.5
     stuck_after_s: float = 6.0
 

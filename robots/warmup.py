@@ -20,6 +20,9 @@ from robots.estimation.scans.points import scan_points
 from robots.estimation.tag_filter import RangeSighting
 from robots.estimation.tag_graph.graph import TagGraph, graph_problem
 from robots.estimation.tag_graph.smoothing import smooth_radio
+from robots.exploration.three_grids import find_candidates, three_grids
+from robots.planning.plan_grid import FREE, UNKNOWN, PlanGrid
+from robots.planning.travel import travel_costs
 from robots.se2 import GaussianPose, Pose2
 from robots.team import StartPose, TeamMap
 from robots.types import HeatReading, ImuReading, LaserScan, Observation, TagSighting, WheelEncoders
@@ -59,6 +62,15 @@ def warm_up() -> None:
     _warm_up_ranges()
     _warm_up_radio_tags()
     _warm_up_batch()
+    _warm_up_strategies()
+
+
+def _warm_up_strategies() -> None:
+    """Look for candidates in a small room."""
+    cells = np.full((60, 60), FREE, np.uint8)
+    cells[0] = UNKNOWN
+    grid = PlanGrid(cells, np.full((60, 60), 5, np.uint8), (0.0, 0.0), 0.1)
+    find_candidates(grid, travel_costs(grid, 5, 5), three_grids(grid, np.array([[0.5, 0.5, 0.0, 0.0]]), 3.0))
 
 
 def _warm_up_ranges() -> None:

@@ -18,7 +18,7 @@ from robots.exploration.strategy import ExplorationView, OwnCandidates
 from robots.exploration.trail import Trail, rest_of
 from robots.mapping.fused import FusedGrid
 from robots.planning.following import follow
-from robots.planning.plan_grid import FREE, PlanGrid, plan_grid
+from robots.planning.plan_grid import FREE, PlanGrid, PlanGrids
 from robots.planning.travel import UNREACHED, find_path, travel_costs
 from robots.se2 import Array, Pose2
 from robots.types import Activity, FloatArray32, LaserScan
@@ -64,6 +64,7 @@ class Explorer:
         self._rng = np.random.default_rng(seed)
         self._strategy = STRATEGIES[config.planning.explore]()
         self.claims = Claims()
+        self.grids = PlanGrids(config.body, config.planning, config.mapping)
         self._trail = Trail()
         self.explored_m2 = 0.0
         self._goal_m: tuple[float, float] | None = None
@@ -200,7 +201,7 @@ class Explorer:
 
     def _plan_grid(self, fused: FusedGrid) -> PlanGrid:
         blocked = np.array([(x, y, _BLOCKED_RADIUS_M) for x, y, _ in self._blocked]).reshape(-1, 3)
-        return plan_grid(fused, self._config.body, self._config.planning, self._config.mapping, blocked)
+        return self.grids.of(fused, blocked)
 
     def _choose(self, view: ExplorationView) -> tuple[Frontier, str] | None:
         """Return the frontier that is worth most and why, None where there is none.

@@ -15,7 +15,6 @@ from robots.config import AgentConfig
 from robots.exploration.claims import PlaceOf
 from robots.exploration.explorer import Decision, Explorer
 from robots.mapping.fused import FusedGrid
-from robots.planning.plan_grid import plan_grid
 from robots.se2 import Pose2
 from robots.tags.deployment import TagDropper
 from robots.tags.map_memory import MAX_BELIEFS, TagBelief, WriterMap
@@ -157,9 +156,7 @@ class Scout:
         place = now.tag_place(tag_id) if now.north else None
         if place is None:
             return TagMemory.empty()
-        config = self.config
-        grid = plan_grid(now.fused, config.body, config.planning, config.mapping, np.zeros((0, 3)))
-        return observed_memory(grid, *place)
+        return observed_memory(self.explorer.grids.of(now.fused, np.zeros((0, 3))), *place)
 
     def _map_to_leave(self, now: Situation) -> tuple[WriterMap, ...]:
         if not self.config.map_memory or now.seq is None:

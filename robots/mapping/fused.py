@@ -10,6 +10,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from robots.mapping.changes import Changes
 from robots.se2 import Pose2
 
 _MARGIN_CELLS = 80
@@ -33,6 +34,7 @@ class FusedGrid:
     def __init__(self, resolution_m: float) -> None:
         self.resolution_m = resolution_m
         self.cells: NDArray[np.int32] = np.zeros((0, 0), np.int32)
+        self.changes = Changes()  # of the cells, while their shape and origin stay
         self._row0 = 0
         self._column0 = 0
         self._drawn: dict[Hashable, _Drawn] = {}
@@ -111,6 +113,7 @@ class FusedGrid:
         row, column = drawn.row - self._row0, drawn.column - self._column0
         h, w = drawn.cells.shape
         self.cells[row : row + h, column : column + w] += sign * drawn.cells
+        self.changes.note(row, column, row + h, column + w)
 
     def _cover(self, drawn: _Drawn) -> None:
         h, w = self.cells.shape
