@@ -46,7 +46,13 @@ def describe(memory: TagMemory) -> dict[str, Any]:
         for v in memory.victims
     ]
     passes = [
-        {"key": p.key, "count": p.count, "goal_north_m": p.north / 2, "goal_west_m": p.west / 2}
+        {
+            "key": p.key,
+            "count": p.count,
+            "serial": p.serial,
+            "goal_north_m": p.north / 2,
+            "goal_west_m": p.west / 2,
+        }
         for p in memory.passes
     ]
     notes = [{"number": n.number, "author": n.author, "text": n.text} for n in memory.notes.notes]
@@ -73,7 +79,7 @@ def understand(value: object) -> TagMemory:
     if not isinstance(value, dict) or not set(value) <= {*_FIELDS, "notes_let_go"}:
         raise TagMemoryError(f"a memory is an object with {', '.join(_FIELDS)}")
     victims = _each(value, "victims", _victim, "key, north_m, west_m, confidence and seen_min")
-    passes = _each(value, "passes", _pass, "key, count, goal_north_m and goal_west_m")
+    passes = _each(value, "passes", _pass, "key, count, serial, goal_north_m and goal_west_m")
     notes = _each(value, "notes", _note, f"number, author ({MAX_NAME} bytes) and text ({MAX_TEXT} bytes)")
     maps = _each(value, "maps", _map, f"robot_id, revision and tags with {', '.join(_NUMBERS)}")
     gone = _each({"gone": [value.get("notes_let_go") or (0, 0)]}, "gone", _order, "two numbers")[0]
@@ -101,7 +107,7 @@ def sentences(told: dict[str, Any]) -> list[str]:
     for p in told["passes"]:
         goal = p["goal_north_m"], p["goal_west_m"]
         went = f", last on its way to a place {_way(*goal)}" if any(goal) else ""
-        said.append(f"Robot {p['key']:04x} wrote here {p['count']} times{went}.")
+        said.append(f"Robot {p['key']:04x} passed here {p['count']} times{went}.")
     driven = sum(cell != "." for cell in "".join(told["visited"]))
     if driven:
         said.append(f"Robots drove through {driven} cells of 0.4 m round it.")
@@ -135,7 +141,8 @@ def _victim(told: Any) -> VictimMark:
 
 def _pass(told: Any) -> Pass:
     north, west = (_number(round(2 * told[f"goal_{way}_m"]), -128, 127) for way in ("north", "west"))
-    return Pass(_number(told["count"], 0, 255), north, west, _number(told["key"], 0, 65535))
+    count, serial = (_number(told[name], 0, 255) for name in ("count", "serial"))
+    return Pass(count, serial, north, west, _number(told["key"], 0, 65535))
 
 
 def _note(told: Any) -> Note:

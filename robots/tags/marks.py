@@ -17,7 +17,7 @@ from zlib import crc32
 
 MAX_MARKS, MAX_NOTES = 255, 64
 MAX_NAME, MAX_TEXT = 16, 120  # bytes
-_VICTIM, _PASS = struct.Struct(">HhhBH"), struct.Struct(">HBbb")
+_VICTIM, _PASS = struct.Struct(">HhhBH"), struct.Struct(">HBBbb")
 _NOTE = struct.Struct(">H")
 _DM, _HALF_M = 0.1, 0.5
 _GONE = struct.Struct(">HH")
@@ -45,9 +45,13 @@ class VictimMark:
 
 @dataclass(frozen=True, slots=True, order=True)
 class Pass:
-    """How often a robot wrote here, and where it went then: ``goal`` in half metres, (0, 0) for nowhere."""
+    """How often a robot passed here, and where it went then: ``goal`` in half metres, (0, 0) for nowhere.
+
+    ``serial``: how often it changed its mind while it passed.
+    """
 
     count: int
+    serial: int
     north: int
     west: int
     key: int
@@ -104,10 +108,10 @@ class Notes:
 Mark = TypeVar("Mark", VictimMark, Pass)
 
 
-def goal_mark(robot_id: str, count: int, north_m: float, west_m: float) -> Pass:
+def goal_mark(robot_id: str, count: int, serial: int, north_m: float, west_m: float) -> Pass:
     """Return the entry of a robot that goes to a place relative to the tag."""
     north, west = (max(-127, min(127, round(value / _HALF_M))) for value in (north_m, west_m))
-    return Pass(min(count, 255), north, west, key_of(robot_id))
+    return Pass(count, serial, north, west, key_of(robot_id))
 
 
 def victim_mark(name: str, confidence: float, seen_s: float, north_m: float, west_m: float) -> VictimMark:
@@ -148,8 +152,8 @@ def pack_victims(victims: Sequence[VictimMark]) -> bytes:
 
 
 def pack_passes(passes: Sequence[Pass]) -> bytes:
-    """Return one byte for their number and five for each."""
-    return _packed(_PASS.pack(p.key, p.count, p.north, p.west) for p in passes)
+    """Return one byte for their number and six for each."""
+    return _packed(_PASS.pack(p.key, p.count, p.serial, p.north, p.west) for p in passes)
 
 
 def pack_notes(notes: Notes) -> bytes:
@@ -173,7 +177,7 @@ def unpack_victims(data: bytes) -> tuple[tuple[VictimMark, ...], int]:
 def unpack_passes(data: bytes) -> tuple[tuple[Pass, ...], int]:
     """Return passers and how many bytes they took. Raises MarkError when they are damaged."""
     found, end = _unpacked(data, _PASS)
-    return _ordered(tuple(Pass(count, n, w, key) for key, count, n, w in found)), end
+    return _ordered(tuple(Pass(count, serial, n, w, key) for key, count, serial, n, w in found)), end
 
 
 def unpack_notes(data: bytes) -> tuple[Notes, int]:

@@ -27,7 +27,7 @@ beliefs = st.builds(TagBelief, names, floats, floats, floats, floats, floats)
 maps = st.builds(WriterMap, names, st.integers(0, 3), st.lists(beliefs, max_size=6).map(tuple))
 small = st.integers(0, 9)
 victims = st.builds(VictimMark, small, small, st.integers(-400, 400), small, small)
-passes = st.builds(Pass, small, st.integers(-128, 127), small, small)
+passes = st.builds(Pass, small, small, st.integers(-128, 127), small, small)
 notes = st.builds(Note, st.integers(1, 6), names, st.text(max_size=20))
 
 

@@ -76,13 +76,13 @@ def test_every_kind_has_room_in_2048_bits_and_victims_come_before_all():
         (),
         tuple(victim_mark(f"v{k}", 1.0 - 0.1 * k, 60.0 * k, -3.04, 12.5) for k in range(9)),
         Notes((Note(2, "Kim", "stairs are gone, use the yard"), Note(1, "Ada", "x" * 60))),
-        tuple(goal_mark(f"r{k}", 9 - k, 3.2, -40.0) for k in range(9)),
+        tuple(goal_mark(f"r{k}", 9 - k, k, 3.2, -40.0) for k in range(9)),
         np.full((21, 21), 1, np.uint8),
     )
     room = ScenarioConfig().tag_room_bytes
     kept = full.fit(room)
     assert len(encode_memory(kept)) <= room
-    assert (len(kept.victims), len(kept.notes.notes), len(kept.passes)) == (4, 1, 5)
+    assert (len(kept.victims), len(kept.notes.notes), len(kept.passes)) == (4, 1, 4)
     assert (kept.victims[0].confidence, kept.victims[0].north_dm, kept.victims[0].west_dm) == (255, -30, 125)
     assert kept.passes[0].goal_m == (3.0, -40.0)
     assert kept.notes.notes[0].author == "Kim"
@@ -153,7 +153,7 @@ def test_the_bytes_are_what_follows_then_phase_reach_box_and_five_cells_each():
         (bytes([0x40, 9]), "1 bytes too many"),
         (bytes([0x60, 9]), "cut off or damaged"),
         (bytes([0x41, 0]), "marks are cut off"),
-        (bytes([0x44, 2]) + bytes([0, 1, 2, 3, 4]) * 2, "out of order"),
+        (bytes([0x44, 2]) + bytes([0, 1, 2, 3, 4, 5]) * 2, "out of order"),
         (bytes([0x42, 1, 0, 0, 0, 0, 0, 0, 1, 2, 99]), "notes are cut off"),
         (bytes([0x42, 99, 3, 0, 0, 0, 0]), "notes are"),
         (bytes([0x40]) + bytes(70_000), "at most 65536 bytes"),

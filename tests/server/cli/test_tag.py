@@ -19,7 +19,7 @@ MEMORY = TagMemory(
     (WriterMap("r1", 7, (TagBelief("B", 1.0, 2.0, 0.25, 0.0, 0.5),)),),
     (victim_mark("v1", 0.8, 720.0, 3.0, -1.5),),
     Notes((Note(2, "Kim", "gas, turn back"),)),
-    (goal_mark("r1", 3, -4.0, 2.5),),
+    (goal_mark("r1", 3, 0, -4.0, 2.5),),
     np.array([[0, 0, 0], [0, 2, 1], [0, 0, 0]], np.uint8),
 )
 MEMORY.cells[3, 1] = OPEN  # one cell to the north, one to the east
@@ -87,7 +87,7 @@ def test_it_draws_north_up(tmp_path, capsys):
     assert said[6:] == [
         "Victim ccb5: 3.0 m north and 1.5 m east of the tag, 80% sure, seen at minute 12.",
         "Kim writes: gas, turn back",
-        "Robot 09b1 wrote here 3 times, last on its way to a place 4.0 m south and 2.5 m west of the tag.",
+        "Robot 09b1 passed here 3 times, last on its way to a place 4.0 m south and 2.5 m west of the tag.",
         "Robots drove through 2 cells of 0.4 m round it.",
     ]
     assert run(["tag", "decode", str(chip), "--id", "A4", "--key", KEY]) == 0
