@@ -23,11 +23,11 @@ class ArenaConfig:
 
     ``in_order``: all robots at once, or in sequence, each after the last is done or has driven ``budget_m``;
     the tags stay. ``sharing``: nothing, what tags say, or one map. ``reader_m``: tags are read so far off, by
-    a plate over the floor, or from ``SIGHT_FROM_M`` on in line of sight; one that stays in reach is read again
-    every ``read_every_s``. ``tag_error_m``: deviation of a tag's place as each robot believes it. ``collide``:
-    whether robots stand in each other's way and view. A run ends after ``limit_s``, when ``until`` of what can
-    be seen was seen, or when nobody has anything left to do. The score is taken when the team has driven its
-    budgets.
+    a plate over the floor, or from ``SIGHT_FROM_M`` on in line of sight; one that stays in reach is read
+    again every ``read_every_s``. ``tag_error_m``: deviation of a tag's place as each robot believes it.
+    ``collide``: whether robots stand in each other's way and view. A run ends after ``limit_s``, when
+    ``until`` of what can be seen was seen, or when nobody has anything left to do. The score is taken when
+    the team has driven its budgets.
     """
 
     scenario: ScenarioConfig

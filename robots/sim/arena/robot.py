@@ -119,6 +119,9 @@ class ArenaRobot:
         own.add_free(Pose2(), self.scout.config.body.radius_m)
         return own
 
+    def _battery(self, clock_s: float) -> float:
+        return max(0.0, 1.0 - (clock_s - self._began_s) / IDLE_LIFE_S - self.driven_m / DRIVE_LIFE_M)
+
     def _read(self, clock_s: float) -> tuple[TagSighting, ...]:
         if self._config.sharing != "tags":
             return ()
