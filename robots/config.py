@@ -10,6 +10,8 @@ from itertools import pairwise
 from math import cos, radians, sin
 from typing import Literal
 
+from robots.exploration.settings import KleinerConfig, SafeGroundConfig, ZiparoConfig
+
 
 class ConfigError(ValueError):
     """A setting is unknown, of the wrong type or out of range; the message names it."""
@@ -248,14 +250,6 @@ class VictimConfig:
 
 
 @dataclass(frozen=True, slots=True)
-class SafeGroundConfig:
-    """Strategies over safe and free ground (Amigoni 2013)."""
-
-    safe_m: float = 3.0  # so far round the robot the ground is safe
-    base_reach_m: float = 30.0  # at which the chance to reach the base by radio is 61 %
-
-
-@dataclass(frozen=True, slots=True)
 class PlanningConfig:
     """Where to go and how."""
 
@@ -264,7 +258,10 @@ class PlanningConfig:
     comfort_m: float = 0.45
     replan_every_s: float = 1.0
     explore: str = "waymark"
+    kleiner: KleinerConfig = field(default_factory=KleinerConfig)
+    ziparo: ZiparoConfig = field(default_factory=ZiparoConfig)
     safe: SafeGroundConfig = field(default_factory=SafeGroundConfig)
+    local_map_m: float = 0.0  # plan on a square of this side that goes along with the robot; 0: on the map
     min_frontier_m: float = 0.5
     stuck_after_s: float = 6.0
 

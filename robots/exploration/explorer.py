@@ -14,10 +14,11 @@ from robots.exploration.claims import Claims, PlaceOf
 from robots.exploration.frontiers import Frontier, find_frontiers, find_shut_off
 from robots.exploration.recovery import Recovery, place_ahead, spot_aside
 from robots.exploration.strategies import STRATEGIES
-from robots.exploration.strategy import ExplorationView, OwnCandidates
-from robots.exploration.trail import Trail, rest_of
+from robots.exploration.strategy import ExplorationView, OwnCandidates, PlansLocally
+from robots.exploration.trail import Trail, is_at_end, rest_of
 from robots.mapping.fused import FusedGrid
 from robots.planning.following import follow
+from robots.planning.gaussian_costs import with_gaussian_costs
 from robots.planning.plan_grid import FREE, PlanGrid, PlanGrids
 from robots.planning.travel import UNREACHED, find_path, travel_costs
 from robots.se2 import Array, Pose2
@@ -81,6 +82,12 @@ class Explorer:
         self._returning = False
         self._done = False
 
+    @property
+    def local_map_m(self) -> float:
+        """The side of the square round the robot that it plans on; 0 where it plans on the whole map."""
+        own = self._strategy.local_map_m if isinstance(self._strategy, PlansLocally) else 0.0
+        return self._config.planning.local_map_m or own
+
     def replan(self) -> None:
         """Plan anew at the next decision: the map has moved."""
         self._planned_s = None
@@ -115,7 +122,7 @@ class Explorer:
             return Decision(0.0, 0.0, "done", self._reason)
         if self._grid is None:
             return Decision(0.0, 0.0, "starting", self._reason)
-        if self._giving_way_until_s is not None and _is_at_end(self._path, pose):
+        if self._giving_way_until_s is not None and is_at_end(self._path, pose):
             self._recovery.rest()
             return Decision(0.0, 0.0, "exploring", self._reason)
         arrival = self._look_round(now_s, pose)
@@ -201,7 +208,9 @@ class Explorer:
 
     def _plan_grid(self, fused: FusedGrid) -> PlanGrid:
         blocked = np.array([(x, y, _BLOCKED_RADIUS_M) for x, y, _ in self._blocked]).reshape(-1, 3)
-        return self.grids.of(fused, blocked)
+        grid = self.grids.of(fused, blocked)
+        local = isinstance(self._strategy, PlansLocally)
+        return with_gaussian_costs(grid, self._config.planning.ziparo) if local else grid
 
     def _choose(self, view: ExplorationView) -> tuple[Frontier, str] | None:
         """Return the frontier that is worth most and why, None where there is none.
@@ -285,10 +294,6 @@ class Explorer:
         self._giving_way_until_s = now_s + float(self._rng.uniform(*_GIVE_WAY_S))
         self._reason = "giving way: somebody may want to pass here"
         return True
-
-
-def _is_at_end(path: Array, pose: Pose2) -> bool:
-    return len(path) == 0 or hypot(path[-1, 0] - pose.x, path[-1, 1] - pose.y) < _ARRIVED_M
 
 
 def _near(point: tuple[float, float], places: list[tuple[float, float, float]], within_m: float) -> bool:

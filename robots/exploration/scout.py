@@ -16,6 +16,7 @@ from robots.exploration.claims import PlaceOf
 from robots.exploration.explorer import Decision, Explorer
 from robots.exploration.witness import Witness
 from robots.mapping.fused import FusedGrid
+from robots.mapping.local_grid import LocalGrid
 from robots.se2 import Pose2
 from robots.tags.deployment import TagDropper
 from robots.tags.map_memory import MAX_BELIEFS, TagBelief, WriterMap
@@ -79,6 +80,7 @@ class Scout:
         self.explorer = Explorer(config, (config.seed, own, 1))
         self._dropper = TagDropper(config.deployment, config.mapping, (config.seed, own, 2))
         self._witness = Witness(robot_id)
+        self._local: LocalGrid | None = None
         self.decision = Decision(0.0, 0.0, "starting", "waiting for the first scan")
 
     @property
@@ -101,6 +103,7 @@ class Scout:
 
     def step(self, now: Situation) -> Intent:
         """Decide where to go and whether to drop a tag, then believe what was read and answer it."""
+        now = self._with_local_map(now)
         drop = False
         if now.scan is not None:
             self.decision = self.explorer.decide(
@@ -118,6 +121,20 @@ class Scout:
             self._hear(now, sighting)
         writes = tuple(self._writes(now, sighting) for sighting in now.read)
         return Intent(self.decision, drop, tuple(w for w in writes if w is not None))
+
+    def _with_local_map(self, now: Situation) -> Situation:
+        """Return the same with the small map that is planned on in place of the whole, where there is one."""
+        side_m, config = self.explorer.local_map_m, self.config
+        if side_m == 0.0:
+            self._local = None
+            return now
+        if self._local is None:
+            self._local = LocalGrid(side_m, config.mapping, config.body.radius_m)
+        if now.scan is not None:
+            self._local.see(now.pose, now.scan)
+            if now.bumper and self.decision.linear_mps > 0.0:
+                self._local.add_felt(now.pose, config.body.radius_m, now.scan)
+        return replace(now, fused=self._local)
 
     def _drop(self, now: Situation) -> bool:
         self._dropper.magazine(now.tags_left)

@@ -71,6 +71,13 @@ class OwnCandidates(Protocol):
         ...
 
 
+@runtime_checkable
+class PlansLocally(Protocol):
+    """A strategy made for a small map round the robot, with ways by eq. (6) of Ziparo 2007."""
+
+    local_map_m: float
+
+
 def goals_of(view: ExplorationView) -> Array:
     """Return where the frontiers are, (n, 2), in the map frame."""
     return np.array([frontier.goal_m for frontier in view.frontiers]).reshape(-1, 2)

@@ -9,6 +9,7 @@ import numpy as np
 from robots.se2 import Array, Pose2
 
 _EVERY_M = 0.25
+_ARRIVED_M = 0.3
 
 
 class Trail:
@@ -34,3 +35,8 @@ def rest_of(path_m: Array, pose: Pose2) -> Array:
     if len(path_m) == 0:
         return path_m
     return path_m[int(np.hypot(path_m[:, 0] - pose.x, path_m[:, 1] - pose.y).argmin()) :]
+
+
+def is_at_end(path_m: Array, pose: Pose2) -> bool:
+    """Say whether a robot has come to the end of a path, (n, 2), or has none."""
+    return len(path_m) == 0 or hypot(path_m[-1, 0] - pose.x, path_m[-1, 1] - pose.y) < _ARRIVED_M

@@ -68,12 +68,10 @@ class PlanGrids:
     """Makes the plan grids of a map, one after the other: only what changed meanwhile is worked out anew."""
 
     def __init__(self, body: BodyConfig, planning: PlanningConfig, mapping: MappingConfig) -> None:
-        self._factor = max(1, round(planning.cell_m / mapping.resolution_m))
+        self._cell_m = planning.cell_m
         self._occupied, self._free = mapping.occupied_logodds, mapping.miss_logodds
-        # to the centre of an occupied cell of the fine map, which begins half a cell before it
-        keep_off_m = body.radius_m + planning.clearance_m + mapping.resolution_m / 2.0
-        self._keep_off = keep_off_m / mapping.resolution_m
-        self._comfort = (body.radius_m + planning.comfort_m) / mapping.resolution_m
+        self._keep_off_m = body.radius_m + planning.clearance_m
+        self._comfort_m = body.radius_m + planning.comfort_m
         self._cells: NDArray[np.uint8] = np.zeros((0, 0), np.uint8)
         self._steps: NDArray[np.uint8] = np.zeros((0, 0), np.uint8)
         self._squared: NDArray[np.float32] = np.zeros((0, 0), np.float32)
@@ -86,9 +84,8 @@ class PlanGrids:
         ``blocked`` (n, 3): x, y, radius of places put aside because driving there failed.
         """
         self._follow(fused)
-        grid = PlanGrid(
-            self._cells.copy(), self._steps.copy(), fused.origin, fused.resolution_m * self._factor
-        )
+        cell_m = fused.resolution_m * self._factor(fused)
+        grid = PlanGrid(self._cells.copy(), self._steps.copy(), fused.origin, cell_m)
         for x, y, radius in blocked:
             row, column = grid.cell_of(x, y)
             reach = int(radius / grid.cell_m)
@@ -96,9 +93,12 @@ class PlanGrids:
             grid.steps[rows, max(0, column - reach) : max(0, column + reach + 1)] = 0
         return grid
 
+    def _factor(self, fused: FusedGrid) -> int:
+        return max(1, round(self._cell_m / fused.resolution_m))
+
     def _follow(self, fused: FusedGrid) -> None:
-        shape, seen = fused.cells.shape, self._seen
-        rows, columns = shape[0] // self._factor, shape[1] // self._factor
+        shape, seen, factor = fused.cells.shape, self._seen, self._factor(fused)
+        rows, columns = shape[0] // factor, shape[1] // factor
         changed = None
         if self._changes is fused.changes and seen[:2] == (shape, fused.origin):
             changed = fused.changes.since(seen[2])
@@ -109,10 +109,12 @@ class PlanGrids:
             self._squared = np.empty((rows, columns), np.float32)
         self._changes, self._seen = fused.changes, (shape, fused.origin, fused.changes.revision)
         top, left, bottom, right = changed
+        # to the centre of an occupied cell of the fine map, which begins half a cell before it
+        keep_off = self._keep_off_m / fused.resolution_m + 0.5
         if top < bottom and left < right:
             _update(
-                fused.cells, self._cells, self._squared, self._steps, self._factor, self._occupied,
-                self._free, self._keep_off, self._comfort, top, left, bottom, right,
+                fused.cells, self._cells, self._squared, self._steps, factor, self._occupied, self._free,
+                keep_off, self._comfort_m / fused.resolution_m, top, left, bottom, right,
             )  # fmt: skip
 
 

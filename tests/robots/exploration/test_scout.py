@@ -1,8 +1,10 @@
 """The scout by itself: stepped by somebody who knows the pose and the map."""
 
+from dataclasses import replace
+
 import numpy as np
 
-from robots.config import AgentConfig, DeploymentConfig, TagMemoryConfig
+from robots.config import AgentConfig, DeploymentConfig, PlanningConfig, TagMemoryConfig
 from robots.exploration.scout import Scout, Situation
 from robots.mapping.map_keeper import MapKeeper
 from robots.se2 import Pose2
@@ -63,3 +65,12 @@ def test_strangers_are_not_believed_nor_overwritten_and_without_north_nothing_is
         grid = scout.explorer._grid
         assert bool((scout.explorer.claims.survey(grid, HERE.get).claimed == CLOSED).any()) == told
         assert bool(intent.writes) == told
+
+
+def test_with_a_small_map_it_goes_to_the_edge_of_that_and_forgets_the_rest():
+    planning = PlanningConfig(local_map_m=4.0)
+    scout = Scout("r1", replace(CONFIG, planning=planning))
+    for second in range(3):
+        intent = scout.step(situation(stamp_s=float(second)))
+    assert 1.5 < abs(intent.decision.path_m[-1, 0]) < 2.1
+    assert scout.explored_m2 < 16.0
