@@ -45,7 +45,7 @@ class Explorer:
         self._rng = np.random.default_rng(seed)
         self.claims = Claims()
         self.grids = PlanGrids(config.body, config.planning, config.mapping)
-        self._trail = Trail()
+        self.trail = Trail()
         self.homing = Homing(config.planning, config.body)
         self.errands = Errands(Methods(explore=config.planning.explore))
         self.explored_m2 = 0.0
@@ -115,7 +115,7 @@ class Explorer:
     ) -> Decision:
         """Return what to do now, from the pose in the map frame, the fused map and where tags are."""
         self.homing.observe(now_s, pose, battery)
-        self._trail.note(now_s, pose)
+        self.trail.note(now_s, pose)
         if held or self.errands.holds:
             self._recovery.rest()
             why = "held by an order" if held else f"standing still, {self.errands.by}"
@@ -205,7 +205,7 @@ class Explorer:
             now_s=now_s,
             grid=ground.grid,
             costs=ground.costs,
-            trail=self._trail.points,
+            trail=self.trail.points,
             path_m=np.zeros((0, 2)) if self._aim is None else rest_of(self._aim.path, ground.pose),
             tags=self.claims.tags(place_of),
             battery=1.0 if battery is None else battery,
