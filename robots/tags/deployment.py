@@ -71,6 +71,12 @@ class TagDropper:
         rate = config.rate_per_m * wanted * (_OPEN_SHARE + (1.0 - _OPEN_SHARE) * sides)
         if self._rng.random() >= 1.0 - exp(-rate * moved):
             return False
+        return self.drop_here(distance_m)
+
+    def drop_here(self, distance_m: float) -> bool:
+        """Take a tag out of the magazine, whatever lies here; say whether there was one."""
+        if self.left <= 0:
+            return False
         self.left -= 1
         self._waiting_until_m = distance_m + 0.5  # until the dropped tag has been read
         return True
