@@ -43,9 +43,9 @@ async def get_mission_audit(
     "/missions/{mission_id}/audit/{audit_id}/undo",
     status_code=204,
     summary="Take a change back",
-    operation_id="undo",
+    operation_id="take_back",
 )
-async def undo(
+async def take_back(
     audit_id: int, mission: OneMission, missions: AllMissions, by: Responder, change: TheChange
 ) -> None:
     """Put a victim's status or an annotation back to what it was before a change.
