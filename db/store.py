@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from db.alerts import AlertStore
 from db.engine import Database
 from db.findings import FindingStore
 from db.graphs import GraphStore
@@ -24,6 +25,7 @@ class Store:
         self.graphs = GraphStore(database)
         self.tags = TagStore(database)
         self.nodes = NodeStore(database)
+        self.alerts = AlertStore(database)
         self.findings = FindingStore(database)
         self.people = PeopleStore(database)
 

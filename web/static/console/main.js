@@ -37,6 +37,9 @@ const select = (kind) => (/** @type {string} */ id) => {
   plan.centreOnSelected();
 };
 
+/** @param {{kind: "robot" | "victim" | "tag", id: string}} subject */
+const show = ({ kind, id }) => select(kind)(id);
+
 /** @param {string} missionId */
 function openMission(missionId) {
   if (missionId === store.missionId) return;
@@ -120,7 +123,7 @@ function renderPanels() {
   render(html`<${StopBanner} store=${store} stops=${stops} />`, element("banner"));
   render(html`<${RobotList} store=${store} stops=${stops} onSelect=${select("robot")} />`, element("robots"));
   render(html`
-    <section id="alerts" aria-label="Alerts"><${AlertList} store=${store} onSelect=${select("tag")} /></section>
+    <section id="alerts" aria-label="Alerts"><${AlertList} store=${store} onSelect=${show} /></section>
     <section id="victims" aria-label="Victims"><${VictimList} store=${store} onSelect=${select("victim")} /></section>
     <section id="events" aria-label="Events"><${EventFeed} store=${store} onSelect=${select("robot")} /></section>`,
     element("reports"));
