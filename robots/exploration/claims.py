@@ -10,6 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from robots.planning.plan_grid import UNKNOWN, PlanGrid
@@ -55,12 +56,8 @@ class Claims:
 
     def survey(self, grid: PlanGrid, place_of: PlaceOf) -> Survey:
         """Return what is unknown, here and to all whose word was read, as the tags lie now."""
-        share = max(1, round(LATTICE_M / grid.cell_m))
-        rows, columns = (-(-side // share) for side in grid.cells.shape)
-        unknown = np.ones((rows * share, columns * share))
-        unknown[: grid.cells.shape[0], : grid.cells.shape[1]] = grid.cells == UNKNOWN
-        unknown = unknown.reshape(rows, share, columns, share).mean(axis=(1, 3))
-        claimed = np.zeros((rows, columns), np.uint8)
+        unknown = _unknown_shares(grid.cells, grid.cell_m, LATTICE_M)
+        claimed = np.zeros(unknown.shape, np.uint8)
         for tag_id in sorted(self._memories):
             place = place_of(tag_id)
             if place is not None:
@@ -96,6 +93,33 @@ class Survey:
     def _cells(self, points_m: Array) -> NDArray[np.int64]:
         found: Array = np.floor((points_m[:, ::-1] - np.array(self.origin[::-1])) / LATTICE_M)
         return found.astype(np.int64)
+
+
+@njit(cache=True)
+def _unknown_shares(cells: NDArray[np.uint8], cell_m: float, lattice_m: float) -> Array:
+    """Return how much of each cell of the lattice is unknown; what lies beyond the grid is."""
+    rows, columns = cells.shape
+    high = int(np.ceil(rows * cell_m / lattice_m - 1e-6))
+    wide = int(np.ceil(columns * cell_m / lattice_m - 1e-6))
+    known = np.zeros((high, wide))
+    for r in range(rows):
+        for c in range(columns):
+            if cells[r, c] != UNKNOWN:
+                known[int((r + 0.5) * cell_m / lattice_m), int((c + 0.5) * cell_m / lattice_m)] += 1.0
+    shares = np.empty((high, wide))
+    for k in range(high):
+        tall = _centres_in(k, cell_m, lattice_m)
+        for m in range(wide):
+            total = tall * _centres_in(m, cell_m, lattice_m)
+            shares[k, m] = (total - known[k, m]) / total if total > 0 else 1.0
+    return shares
+
+
+@njit(cache=True)
+def _centres_in(k: int, cell_m: float, lattice_m: float) -> int:
+    """Return how many cells in a row have their centres in cell ``k`` of the lattice."""
+    first = int(np.ceil(k * lattice_m / cell_m - 0.5 - 1e-9))
+    return int(np.ceil((k + 1) * lattice_m / cell_m - 0.5 - 1e-9)) - first
 
 
 def _draw(

@@ -36,8 +36,8 @@ from robots.types import (
     TagSighting,
 )
 
-_IDLE_LIFE_S = 7200.0  # a battery lasts so long standing still,
-_DRIVE_LIFE_M = 2500.0  # or so far driving
+IDLE_LIFE_S = 7200.0  # a battery lasts so long standing still,
+DRIVE_LIFE_M = 2500.0  # or so far driving
 _STREAMS = 5
 
 
@@ -191,7 +191,7 @@ class Simulation:
         dt_s = 1.0 / ODOMETRY_HZ
         driven = float(motion.driven_m[index])
         robot.driven_m += driven
-        robot.battery = max(0.0, robot.battery - dt_s / _IDLE_LIFE_S - driven / _DRIVE_LIFE_M)
+        robot.battery = max(0.0, robot.battery - dt_s / IDLE_LIFE_S - driven / DRIVE_LIFE_M)
         speed, turn = float(motion.speeds[index, 0]), float(motion.speeds[index, 1])
         odometry: Odometry = robot.wheels.read(speed, turn, dt_s, float(motion.grip[index]))
         if self.config.poses == "truth":
