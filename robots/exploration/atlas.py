@@ -1,4 +1,4 @@
-"""Which ground is covered, far beyond a small map: cells of half a metre, from what tags say and its own eyes.
+"""Which ground is covered, far beyond a small map: cells of half a metre, by what tags say and own eyes.
 
 Drawn anew only where a tag said something new, or when a tag is believed elsewhere.
 """
@@ -16,6 +16,7 @@ from robots.se2 import Array
 from robots.tags.memory import CELL_M, CLOSED, OPEN, UNSEEN, TagMemory
 
 Cells = NDArray[np.uint8]
+Index = NDArray[np.int64]
 Place = tuple[float, float]
 _PER_CELL = round(CELL_M / LATTICE_M)
 _MARGIN = 40  # cells by which it grows
@@ -24,7 +25,7 @@ _MOVED_M = LATTICE_M / 2.0
 
 
 class Atlas:
-    """States of a lattice in the map frame: UNSEEN, OPEN, CLOSED; its first cell is (row, column) ``corner``."""
+    """UNSEEN, OPEN, CLOSED on a lattice in the map frame, whose first cell is (row, column) ``corner``."""
 
     def __init__(self) -> None:
         self.corner = (0, 0)
@@ -74,17 +75,16 @@ class Atlas:
         row = np.floor(y / LATTICE_M).astype(np.int64) - self.corner[0]
         column = np.floor(x / LATTICE_M).astype(np.int64) - self.corner[1]
         cells = np.pad(self.cells, 1)
-        row, column = (
-            np.clip(k + 1, 0, side - 1) for k, side in zip((row, column), cells.shape, strict=True)
-        )
+        row, column = np.clip(row + 1, 0, len(cells) - 1), np.clip(column + 1, 0, cells.shape[1] - 1)
         closed: NDArray[np.bool_] = cells[np.ix_(row, column)] == CLOSED
         return closed
 
     def open_places(self) -> Array:
         """Return the middles of the cells that are covered and open, (n, 2)."""
         rows, columns = np.nonzero(self.cells == OPEN)
-        places = np.column_stack([columns + self.corner[1], rows + self.corner[0]]) + 0.5
-        return places * LATTICE_M
+        cells = np.column_stack([columns + self.corner[1], rows + self.corner[0]])
+        places: Array = (cells + 0.5) * LATTICE_M
+        return places
 
     def _has_moved(self, tag: KnownTag) -> bool:
         known = self._drawn.get(tag.tag_id)
@@ -119,10 +119,8 @@ class Atlas:
         self._told, self._own = np.pad(self._told, margins), np.pad(self._own, margins)
 
 
-def _gathered(
-    mask: NDArray[np.bool_], rows: NDArray[np.int64], columns: NDArray[np.int64]
-) -> NDArray[np.int64]:
-    """Return how many cells of a mask fall into each cell of the lattice, given their rows and columns there."""
+def _gathered(mask: NDArray[np.bool_], rows: Index, columns: Index) -> Index:
+    """Return how many cells of a mask fall into each cell of the lattice; its rows and columns are given."""
     sums = np.zeros((rows[-1] - rows[0] + 1, columns[-1] - columns[0] + 1), np.int64)
     np.add.at(sums, np.ix_(rows - rows[0], columns - columns[0]), mask)
     return sums

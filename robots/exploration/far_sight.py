@@ -1,4 +1,4 @@
-"""Exploring with a map of a few metres and never trapped: what tags remember takes the place of the large map.
+"""Exploring with a map of a few metres and never trapped: what tags remember stands in for the large map.
 
 Edges of the small map beyond which the ground is covered, by what tags say or the robot saw itself, are none.
 Where no edge is left, the robot goes along tags to the ground that somebody saw to be open (``tag_ways``).
@@ -34,7 +34,7 @@ class FarFrontier(Frontier):
 
 
 class FarSight:
-    """What one robot with a small map remembers: covered ground, ways along tags, and where it went in vain."""
+    """What one robot with a small map remembers: covered ground, ways along tags, where it went in vain."""
 
     def __init__(self) -> None:
         self.atlas = Atlas()
@@ -47,7 +47,7 @@ class FarSight:
         return self.atlas.survey()
 
     def candidates(self, view: ExplorationView) -> tuple[Frontier, ...]:
-        """Return the edges of the small map that lead to new ground, else the next place on the way to some."""
+        """Return the edges of the small map that lead to new ground, else the next place on the way to it."""
         grid, costs = view.grid, view.costs
         if grid is None or costs is None:
             return view.frontiers
@@ -66,8 +66,8 @@ class FarSight:
     def _with_covered(self, grid: PlanGrid) -> PlanGrid:
         """Return the grid in which covered ground beyond its edge is no longer unknown."""
         rows, columns = grid.cells.shape
-        x = grid.origin[0] + (np.arange(columns) + 0.5) * grid.cell_m
-        y = grid.origin[1] + (np.arange(rows) + 0.5) * grid.cell_m
+        x: Array = grid.origin[0] + (np.arange(columns) + 0.5) * grid.cell_m
+        y: Array = grid.origin[1] + (np.arange(rows) + 0.5) * grid.cell_m
         covered = (grid.cells == UNKNOWN) & self.atlas.closed_at(x, y)
         return replace(grid, cells=np.where(covered, OCCUPIED, grid.cells).astype(np.uint8))
 
