@@ -66,7 +66,7 @@ class Explorer:
         self._strategy = STRATEGIES[config.planning.explore]()
         self.claims = Claims()
         self.grids = PlanGrids(config.body, config.planning, config.mapping)
-        self._trail = Trail()
+        self.trail = Trail()
         self.explored_m2 = 0.0
         self._goal_m: tuple[float, float] | None = None
         self._reason = "waiting for the first scan"
@@ -109,7 +109,7 @@ class Explorer:
         battery: float | None = None,
     ) -> Decision:
         """Return what to do now, from the pose in the map frame, the fused map and where tags are."""
-        self._trail.note(now_s, pose)
+        self.trail.note(now_s, pose)
         if held:
             self._recovery.rest()
             return Decision(0.0, 0.0, "holding", "held by an order", self._goal_m)
@@ -155,7 +155,7 @@ class Explorer:
             now_s=now_s,
             grid=grid,
             costs=costs,
-            trail=self._trail.points,
+            trail=self.trail.points,
             path_m=rest_of(self._path, pose),
             tags=self.claims.tags(place_of),
             battery=battery,

@@ -14,12 +14,13 @@ import numpy as np
 from robots.config import AgentConfig
 from robots.exploration.claims import PlaceOf
 from robots.exploration.explorer import Decision, Explorer
+from robots.exploration.witness import Witness
 from robots.mapping.fused import FusedGrid
 from robots.mapping.local_grid import LocalGrid
 from robots.se2 import Pose2
 from robots.tags.deployment import TagDropper
 from robots.tags.map_memory import MAX_BELIEFS, TagBelief, WriterMap
-from robots.tags.memory import TagMemory, TagMemoryError, observed_memory
+from robots.tags.memory import TagMemory, TagMemoryError
 from robots.tags.sealed import close_memory, open_memory
 from robots.types import LaserScan, TagSighting, TagWrite
 
@@ -78,6 +79,7 @@ class Scout:
         own = crc32(robot_id.encode())  # robots told the same seed must not draw alike
         self.explorer = Explorer(config, (config.seed, own, 1))
         self._dropper = TagDropper(config.deployment, config.mapping, (config.seed, own, 2))
+        self._witness = Witness(robot_id)
         self._local: LocalGrid | None = None
         self.decision = Decision(0.0, 0.0, "starting", "waiting for the first scan")
 
@@ -160,19 +162,21 @@ class Scout:
             return None
         if not says.trusted:
             return None  # a stranger's memory is left as it is
-        mine = TagMemory(self._coverage(now, tag_id).cells, self._map_to_leave(now))
+        mine = replace(self._told_of(now, tag_id, says.memory), maps=self._map_to_leave(now))
         memory = says.memory.merge(mine).fit(told.room_bytes)
         if memory == says.memory:
             return None
         record = close_memory(memory, says.next_revision, tag_id, told.key_bytes, told.room_bytes)
         return TagWrite(tag_id, record)
 
-    def _coverage(self, now: Situation, tag_id: str) -> TagMemory:
+    def _told_of(self, now: Situation, tag_id: str, said: TagMemory) -> TagMemory:
         """Return what is known of the ground round a tag; its frame needs a compass."""
         place = now.tag_place(tag_id) if now.north else None
         if place is None:
             return TagMemory.empty()
-        return observed_memory(self.explorer.grids.of(now.fused, np.zeros((0, 3))), *place)
+        grid = self.explorer.grids.of(now.fused, np.zeros((0, 3)))
+        trail_m, goal_m = self.explorer.trail.points, self.decision.goal_m
+        return self._witness.about(tag_id, place, said, grid, trail_m, goal_m, now.stamp_s)
 
     def _map_to_leave(self, now: Situation) -> tuple[WriterMap, ...]:
         if not self.config.map_memory or now.seq is None:
