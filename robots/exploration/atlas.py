@@ -9,6 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import ndimage
 
 from robots.exploration.claims import LATTICE_M, KnownTag, Survey
 from robots.planning.plan_grid import FREE, UNKNOWN, PlanGrid
@@ -19,8 +20,10 @@ Cells = NDArray[np.uint8]
 Index = NDArray[np.int64]
 Place = tuple[float, float]
 _PER_CELL = round(CELL_M / LATTICE_M)
+_ROUND = np.ones((3, 3), bool)
 _MARGIN = 40  # cells by which it grows
 _KNOWN_SHARE = 0.5
+_EDGE_M = 0.24  # of free ground's end in a cell
 _MOVED_M = LATTICE_M / 2.0
 
 
@@ -29,15 +32,11 @@ class Atlas:
 
     def __init__(self) -> None:
         self.corner = (0, 0)
+        self.cells: Cells = np.zeros((0, 0), np.uint8)
+        self._sure: NDArray[np.bool_] = np.zeros((0, 0), bool)
         self._told: Cells = np.zeros((0, 0), np.uint8)
         self._own: Cells = np.zeros((0, 0), np.uint8)
         self._drawn: dict[str, tuple[TagMemory, Place]] = {}
-
-    @property
-    def cells(self) -> Cells:
-        """What tags say and the robot saw, uint8 (h, w)."""
-        both: Cells = np.maximum(self._told, self._own)
-        return both
 
     def draw(self, tags: Sequence[KnownTag]) -> None:
         """Take in what tags say."""
@@ -50,7 +49,7 @@ class Atlas:
                 self._draw(tag.memory, tag.place_m)
 
     def see(self, grid: PlanGrid) -> None:
-        """Take in what the robot sees now: a cell that is known by half is covered, open at a free edge."""
+        """Take in what the robot sees now: open where free ground ends, else covered when known by half."""
         known, free = grid.cells != UNKNOWN, grid.cells == FREE
         edge = np.zeros_like(known)
         edge[1:-1, 1:-1] = free[1:-1, 1:-1] & ~(
@@ -62,8 +61,23 @@ class Atlas:
         )
         full = (LATTICE_M / grid.cell_m) ** 2
         covered = _gathered(known, rows, columns) >= _KNOWN_SHARE * full
-        state = np.where(covered, np.where(_gathered(edge, rows, columns) > 0, OPEN, CLOSED), UNSEEN)
+        state = np.where(
+            _gathered(edge, rows, columns) * grid.cell_m >= _EDGE_M, OPEN, np.where(covered, CLOSED, UNSEEN)
+        )
         self._put("_own", state.astype(np.uint8), int(rows[0]), int(columns[0]))
+
+    def settle(self) -> None:
+        """Put together what tags say and what the robot saw.
+
+        A tag's cell is covered when half of it is, so at its border it may hide a door: covered ground that
+        is told of counts against the robot's own eyes only where all round it is covered as well.
+        """
+        told = self._told == CLOSED
+        self._sure = (self._own == CLOSED) | (
+            told & ndimage.binary_erosion(told | (self._own == CLOSED), _ROUND)
+        )
+        own_word = np.where(self._sure, CLOSED, OPEN)
+        self.cells = np.where(self._own == UNSEEN, self._told, own_word).astype(np.uint8)
 
     def survey(self) -> Survey:
         """Return it as strategies weigh it: unknown to the robot's own map all over."""
@@ -74,16 +88,16 @@ class Atlas:
         """Say of a lattice of points, columns at x (w,) and rows at y (h,), which are covered and closed."""
         row = np.floor(y / LATTICE_M).astype(np.int64) - self.corner[0]
         column = np.floor(x / LATTICE_M).astype(np.int64) - self.corner[1]
-        cells = np.pad(self.cells, 1)
-        row, column = np.clip(row + 1, 0, len(cells) - 1), np.clip(column + 1, 0, cells.shape[1] - 1)
-        closed: NDArray[np.bool_] = cells[np.ix_(row, column)] == CLOSED
+        sure = np.pad(self._sure, 1)
+        row, column = np.clip(row + 1, 0, len(sure) - 1), np.clip(column + 1, 0, sure.shape[1] - 1)
+        closed: NDArray[np.bool_] = sure[np.ix_(row, column)]
         return closed
 
     def open_places(self) -> Array:
         """Return the middles of the cells that are covered and open, (n, 2)."""
         rows, columns = np.nonzero(self.cells == OPEN)
         cells = np.column_stack([columns + self.corner[1], rows + self.corner[0]])
-        places: Array = (cells + 0.5) * LATTICE_M
+        places: Array = (cells.astype(np.float64) + 0.5) * LATTICE_M
         return places
 
     def _has_moved(self, tag: KnownTag) -> bool:

@@ -12,15 +12,17 @@ from math import inf
 import numpy as np
 
 from robots.exploration.atlas import Atlas
-from robots.exploration.claims import KnownTag, Survey
+from robots.exploration.claims import Survey
 from robots.exploration.frontiers import Frontier, find_frontiers
 from robots.exploration.strategy import ExplorationView
-from robots.exploration.tag_ways import Place, TagWays, apart, reachable_near
+from robots.exploration.tag_ways import Place, TagWays, apart, nearest_reachable, reachable_near
 from robots.planning.plan_grid import OCCUPIED, UNKNOWN, PlanGrid
 from robots.se2 import Array
 
 _PASSED_M = 0.6
-_LAST_LEG_M = 3.0  # from a tag to open ground, as the crow flies
+_MARK_M = 1.0
+_LAST_LEG_M = 3.0  # from a tag to open ground as the crow flies; where it is farther,
+_DETOUR = 3.0  # so many times as long, since no way is known
 _TRIED_S = 180.0  # open ground that was gone to in vain is left for so long
 _TRIED_M = 1.0
 _STAYS_M = 3.0  # of way, by which other open ground has to be nearer before the robot turns to it
@@ -39,6 +41,7 @@ class FarSight:
     def __init__(self) -> None:
         self.atlas = Atlas()
         self._ways = TagWays()
+        self._marks: dict[str, Place] = {}  # where it was itself, wherever there is no tag
         self._tried: list[tuple[Place, float]] = []
         self._target: Place | None = None
 
@@ -53,45 +56,49 @@ class FarSight:
             return view.frontiers
         self.atlas.draw(view.tags)
         self.atlas.see(grid)
-        tags = {tag.tag_id: tag for tag in view.tags}
-        here = {name: tag.place_m for name, tag in tags.items() if grid.holds(*grid.cell_of(*tag.place_m))}
-        reached = self._ways.see((view.pose.x, view.pose.y), here, grid, costs)
+        self.atlas.settle()
+        here = view.pose.x, view.pose.y
+        places = self._marks | {tag.tag_id: tag.place_m for tag in view.tags}
+        if all(apart(here, place) > _MARK_M for place in places.values()):
+            self._marks[f"#{len(self._marks)}"] = here
+        near = {name: place for name, place in places.items() if grid.holds(*grid.cell_of(*place))}
+        reached = self._ways.see(here, near, grid, costs)
         fresh = find_frontiers(self._with_covered(grid), costs, view.settings.min_frontier_m)
         if fresh:
             self._target = None
             return fresh
-        far = self._far(view, grid, tags, reached)
+        far = self._far(view, grid, places, reached)
         return () if far is None else (far,)
 
     def _with_covered(self, grid: PlanGrid) -> PlanGrid:
         """Return the grid in which covered ground beyond its edge is no longer unknown."""
         rows, columns = grid.cells.shape
-        x: Array = grid.origin[0] + (np.arange(columns) + 0.5) * grid.cell_m
-        y: Array = grid.origin[1] + (np.arange(rows) + 0.5) * grid.cell_m
+        x = np.arange(0.5, columns) * grid.cell_m + grid.origin[0]
+        y = np.arange(0.5, rows) * grid.cell_m + grid.origin[1]
         covered = (grid.cells == UNKNOWN) & self.atlas.closed_at(x, y)
         return replace(grid, cells=np.where(covered, OCCUPIED, grid.cells).astype(np.uint8))
 
     def _far(
-        self, view: ExplorationView, grid: PlanGrid, tags: dict[str, KnownTag], reached: dict[str, float]
+        self, view: ExplorationView, grid: PlanGrid, known: dict[str, Place], reached: dict[str, float]
     ) -> FarFrontier | None:
         self._tried = [(place, until) for place, until in self._tried if until > view.now_s]
         ways, before = self._ways.ways(reached)
-        names = sorted(name for name in ways if name in tags)
+        names = sorted(name for name in ways if name in known)
         places = self.atlas.open_places()
         if not names or len(places) == 0:
             return None
-        at = np.array([tags[name].place_m for name in names])
+        at = np.array([known[name] for name in names])
         legs = np.hypot(*(places[:, None] - at[None]).transpose(2, 0, 1))
-        totals = np.where(legs <= _LAST_LEG_M, legs, inf) + np.array([ways[name] for name in names])
+        nearest = legs <= np.maximum(_LAST_LEG_M, legs.min(axis=1, keepdims=True))
+        legs = np.where(legs <= _LAST_LEG_M, legs, np.where(nearest, _DETOUR * legs, inf))
+        totals = legs + np.array([ways[name] for name in names])
         by, total = totals.argmin(axis=1), totals.min(axis=1)
         total = total - _STAYS_M * self._is_target(places)
         for index in np.argsort(total, kind="stable"):
-            if not np.isfinite(total[index]):
-                break
             place, name = (float(places[index, 0]), float(places[index, 1])), names[int(by[index])]
             if any(apart(place, tried) < _TRIED_M for tried, _ in self._tried):
                 continue
-            step = self._step(view, grid, tags, before, name, reached)
+            step = self._step(view, grid, known, before, name, reached, place)
             if step is None:  # it is there, and nothing is to be seen
                 self._tried.append((place, view.now_s + _TRIED_S))
                 continue
@@ -106,20 +113,23 @@ class FarSight:
         return near
 
     def _step(
-        self, view: ExplorationView, grid: PlanGrid, tags: dict[str, KnownTag], before: dict[str, str],
-        name: str, reached: dict[str, float],
+        self, view: ExplorationView, grid: PlanGrid, known: dict[str, Place], before: dict[str, str],
+        name: str, reached: dict[str, float], place: Place,
     ) -> tuple[int, int] | None:  # fmt: skip
-        """Return the cell to drive to next; None where the robot is at the last tag."""
+        """Return the cell to drive to next; None where the robot is as near to the place as it gets."""
         assert view.costs is not None
+        here = view.pose.x, view.pose.y
         on_way, after = name, None
         while on_way not in reached:
             on_way, after = before[on_way], on_way
         if after is not None:
             between = self._ways.between(on_way, after)
-            if apart(between, (view.pose.x, view.pose.y)) > _PASSED_M:
+            if apart(between, here) > _PASSED_M:
                 cell = reachable_near(grid, view.costs, between)
                 if cell is not None:
                     return cell
         elif reached[on_way] < _PASSED_M:
-            return None
-        return reachable_near(grid, view.costs, tags[on_way].place_m)
+            nearest = nearest_reachable(grid, view.costs, place)
+            nearer = apart(grid.centre_of(*nearest), place) < apart(here, place) - _PASSED_M
+            return nearest if nearer else None
+        return reachable_near(grid, view.costs, known[on_way])

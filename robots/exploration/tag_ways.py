@@ -93,6 +93,14 @@ def reachable_near(grid: PlanGrid, costs: NDArray[np.int32], place: Place) -> tu
     return int(best[0]), int(best[1])
 
 
+def nearest_reachable(grid: PlanGrid, costs: NDArray[np.int32], place: Place) -> tuple[int, int]:
+    """Return the reachable cell nearest to a place anywhere; there is one, the robot's own."""
+    cells = np.argwhere(costs != UNREACHED)
+    x, y = grid.centres_of(cells).T
+    row, column = cells[int(np.hypot(x - place[0], y - place[1]).argmin())]
+    return int(row), int(column)
+
+
 def apart(a: Place, b: Place) -> float:
     """Return how far two places are from each other."""
     return hypot(a[0] - b[0], a[1] - b[1])

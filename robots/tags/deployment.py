@@ -7,7 +7,7 @@ the left and right hand side of the robot is high": doors and corridors, where s
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from math import cos, exp, sin
+from math import cos, exp, hypot, sin
 
 import numpy as np
 
@@ -66,11 +66,17 @@ class TagDropper:
         if distance_m < self._waiting_until_m:
             return False
         config = self._config
+        if config.even_m > 0.0:
+            near = any(hypot(pose.x - x, pose.y - y) < config.even_m for x, y in tags)
+            return not near and self._dropped(distance_m)
         wanted = max(0.0, 1.0 - 2.0 * tag_density(pose.x, pose.y, tags, config.spacing_m))
         sides = side_density(pose, fused, config.side_window_m, self._mapping.occupied_logodds)
         rate = config.rate_per_m * wanted * (_OPEN_SHARE + (1.0 - _OPEN_SHARE) * sides)
         if self._rng.random() >= 1.0 - exp(-rate * moved):
             return False
+        return self._dropped(distance_m)
+
+    def _dropped(self, distance_m: float) -> bool:
         self.left -= 1
         self._waiting_until_m = distance_m + 0.5  # until the dropped tag has been read
         return True
