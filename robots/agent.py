@@ -184,6 +184,8 @@ class RobotAgent:
             held=observation.held,
             battery=observation.battery,
             tags_left=observation.tags_left,
+            orders=observation.orders,
+            suspects=self._victims.suspects(slam.anchors),
             read=read,
             tag_place=partial(_place, slam),
             tag_places=slam.tag_places,
@@ -215,6 +217,9 @@ class RobotAgent:
             graph=slam.report() if changed or self._update is None else None,
             submaps=self._maps.take_reports(observation.stamp_s),
             doubts=slam.take_doubts(),
+            frontiers=self._scout.take_frontiers(observation.stamp_s),
+            orders=self._scout.explorer.order_reports(),
+            methods=self._scout.explorer.methods,
         )
 
 

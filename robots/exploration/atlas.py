@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from robots.exploration.claims import LATTICE_M, KnownTag, Survey
-from robots.planning.plan_grid import FREE, UNKNOWN, PlanGrid
+from robots.planning.plan_grid import FREE, OCCUPIED, UNKNOWN, PlanGrid
 from robots.se2 import Array
 from robots.tags.memory import CELL_M, CLOSED, OPEN, UNSEEN, TagMemory
 
@@ -23,7 +23,7 @@ _PER_CELL = round(CELL_M / LATTICE_M)
 _ROUND = np.ones((3, 3), bool)
 _MARGIN = 40  # cells by which it grows
 _KNOWN_SHARE = 0.5
-_EDGE_M = 0.24  # of free ground's end in a cell
+_EDGE_M = 0.24  # of the end of free ground, or of a wall
 _MOVED_M = LATTICE_M / 2.0
 
 
@@ -49,7 +49,10 @@ class Atlas:
                 self._draw(tag.memory, tag.place_m)
 
     def see(self, grid: PlanGrid) -> None:
-        """Take in what the robot sees now: open where free ground ends, else covered when known by half."""
+        """Take in what the robot sees now.
+
+        A cell is open where free ground ends in it, and covered when half of it is known or a wall is in it.
+        """
         known, free = grid.cells != UNKNOWN, grid.cells == FREE
         edge = np.zeros_like(known)
         edge[1:-1, 1:-1] = free[1:-1, 1:-1] & ~(
@@ -61,9 +64,9 @@ class Atlas:
         )
         full = (LATTICE_M / grid.cell_m) ** 2
         covered = _gathered(known, rows, columns) >= _KNOWN_SHARE * full
-        state = np.where(
-            _gathered(edge, rows, columns) * grid.cell_m >= _EDGE_M, OPEN, np.where(covered, CLOSED, UNSEEN)
-        )
+        covered |= _gathered(grid.cells == OCCUPIED, rows, columns) * grid.cell_m >= _EDGE_M
+        ends = _gathered(edge, rows, columns) * grid.cell_m >= _EDGE_M
+        state = np.where(ends, OPEN, np.where(covered, CLOSED, UNSEEN))
         self._put("_own", state.astype(np.uint8), int(rows[0]), int(columns[0]))
 
     def settle(self) -> None:

@@ -128,7 +128,7 @@ class FarSight:
                 cell = reachable_near(grid, view.costs, between)
                 if cell is not None:
                     return cell
-        elif reached[on_way] < _PASSED_M:
+        elif reached[on_way] < _PASSED_M or apart(here, place) < apart(known[on_way], place):
             nearest = nearest_reachable(grid, view.costs, place)
             nearer = apart(grid.centre_of(*nearest), place) < apart(here, place) - _PASSED_M
             return nearest if nearer else None

@@ -7,22 +7,28 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from math import inf
 from zlib import crc32
 
 import numpy as np
 
 from robots.config import AgentConfig
+from robots.exploration.aim import Decision
 from robots.exploration.claims import PlaceOf
-from robots.exploration.explorer import Decision, Explorer
+from robots.exploration.explorer import Explorer
+from robots.exploration.strategy import AnswersTags, PlansLocally
 from robots.exploration.witness import Witness
 from robots.mapping.fused import FusedGrid
 from robots.mapping.local_grid import LocalGrid
+from robots.orders import RobotOrder
 from robots.se2 import Pose2
 from robots.tags.deployment import TagDropper
 from robots.tags.map_memory import MAX_BELIEFS, TagBelief, WriterMap
 from robots.tags.memory import TagMemory, TagMemoryError
 from robots.tags.sealed import close_memory, open_memory
-from robots.types import LaserScan, TagSighting, TagWrite
+from robots.types import FrontierReport, LaserScan, Suspect, TagSighting, TagWrite
+
+_TELL_EVERY_S = 1.0
 
 
 def _no_place(tag_id: str) -> tuple[float, float] | None:
@@ -51,6 +57,8 @@ class Situation:
     held: bool = False
     battery: float | None = None  # 0..1
     tags_left: int | None = None  # in the magazine
+    orders: tuple[RobotOrder, ...] = ()
+    suspects: tuple[Suspect, ...] = ()  # what may be a victim
     read: tuple[TagSighting, ...] = ()
     tag_place: PlaceOf = _no_place
     tag_places: Callable[[], Sequence[tuple[float, float]]] = tuple
@@ -82,6 +90,8 @@ class Scout:
         self._witness = Witness(robot_id)
         self._local: LocalGrid | None = None
         self.decision = Decision(0.0, 0.0, "starting", "waiting for the first scan")
+        self._told: tuple[FrontierReport, ...] = ()
+        self._told_s = -inf
 
     @property
     def tags_left(self) -> int:
@@ -101,10 +111,21 @@ class Scout:
         """Say whether the next decision plans anew and so needs the map as it is now."""
         return self.explorer.plan_is_due(stamp_s)
 
+    def take_frontiers(self, stamp_s: float) -> tuple[FrontierReport, ...] | None:
+        """Return the edges it could go to where they changed since this was last asked, once a second."""
+        frontiers = self.explorer.frontiers
+        if frontiers == self._told or stamp_s < self._told_s + _TELL_EVERY_S:
+            return None
+        self._told, self._told_s = frontiers, stamp_s
+        return frontiers
+
     def step(self, now: Situation) -> Intent:
         """Decide where to go and whether to drop a tag, then believe what was read and answer it."""
         now = self._with_local_map(now)
         drop = False
+        self._dropper.magazine(now.tags_left)
+        for order in now.orders:
+            self.explorer.take(order, self._dropper.left)
         if now.scan is not None:
             self.decision = self.explorer.decide(
                 now.stamp_s,
@@ -114,7 +135,8 @@ class Scout:
                 now.bumper,
                 now.held,
                 now.tag_place,
-                now.battery,
+                battery=now.battery,
+                suspects=now.suspects,
             )
             drop = self._drop(now)
         for sighting in now.read:
@@ -137,10 +159,14 @@ class Scout:
         return replace(now, fused=self._local)
 
     def _drop(self, now: Situation) -> bool:
-        self._dropper.magazine(now.tags_left)
         if now.held:
             return False
-        return self._dropper.should_drop(now.distance_m, now.pose, now.fused, now.tag_places())
+        if self.decision.drop_tag and self._dropper.drop_here(now.distance_m):
+            self.explorer.errands.tag_dropped()
+            return True
+        strategy = self.explorer.goals.strategy
+        even_m = strategy.tag_every_m if isinstance(strategy, PlansLocally) else 0.0
+        return self._dropper.should_drop(now.distance_m, now.pose, now.fused, now.tag_places(), even_m)
 
     def _hear(self, now: Situation, sighting: TagSighting) -> None:
         """Believe what a tag of the mission says of the ground round it; its frame needs a compass."""
@@ -162,12 +188,17 @@ class Scout:
             return None
         if not says.trusted:
             return None  # a stranger's memory is left as it is
-        mine = replace(self._told_of(now, tag_id, says.memory), maps=self._map_to_leave(now))
-        memory = says.memory.merge(mine).fit(told.room_bytes)
+        memory = self._answer(now, tag_id, says.memory).fit(told.room_bytes)
         if memory == says.memory:
             return None
         record = close_memory(memory, says.next_revision, tag_id, told.key_bytes, told.room_bytes)
         return TagWrite(tag_id, record)
+
+    def _answer(self, now: Situation, tag_id: str, said: TagMemory) -> TagMemory:
+        goals, place = self.explorer.goals, now.tag_place(tag_id) if now.north else None
+        if isinstance(goals.strategy, AnswersTags) and goals.view is not None and place is not None:
+            return goals.strategy.answer(said, goals.view, place)
+        return said.merge(replace(self._told_of(now, tag_id, said), maps=self._map_to_leave(now)))
 
     def _told_of(self, now: Situation, tag_id: str, said: TagMemory) -> TagMemory:
         """Return what is known of the ground round a tag; its frame needs a compass."""

@@ -23,6 +23,7 @@ class Ziparo:
     """Weighs the turn to a frontier and how much was driven round it."""
 
     local_map_m = 4.0
+    tag_every_m = 1.0  # "we take care of having the RFIDs at one meter distance from each other"
 
     def worths(self, view: ExplorationView) -> Array:
         """Return u(f) of eq. (7)."""

@@ -6,7 +6,7 @@ from math import hypot
 
 import numpy as np
 
-from robots.exploration.explorer import Decision
+from robots.exploration.aim import Decision
 from robots.exploration.scout import Intent, Scout, Situation
 from robots.mapping.scan_map import ScanMap
 from robots.planning.following import free_ahead
