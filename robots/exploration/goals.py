@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import hypot
 
-import numpy as np
-
-from robots.config import ConfigError
+from robots.config import ConfigError, PlanningConfig
+from robots.exploration.communication import Communication
+from robots.exploration.coordination import coordination_of
 from robots.exploration.frontiers import Frontier, find_frontiers, find_shut_off
 from robots.exploration.ground import Ground
 from robots.exploration.strategies import STRATEGIES
@@ -18,8 +18,6 @@ from robots.types import FrontierReport
 
 MAX_REPORTED = 48
 _ARRIVED_M = 0.4
-_SAME_GOAL_M = 1.2  # a frontier this near to the old goal is what the old goal has become
-_KEEP_UNLESS = 0.4  # the old goal is kept unless another is worth more by this share of the way to it
 _ASIDE_M = 0.7
 _ASIDE_S = (20.0, 60.0)  # a goal that came to nothing is tried again after so long, and then again
 _TRIES = 1 + len(_ASIDE_S)
@@ -56,8 +54,10 @@ class Goals:
     ``goal_m`` (x, y) in the map frame; ``reports`` the edges of the last plan, best first.
     """
 
-    def __init__(self, strategy: Strategy) -> None:
-        self.strategy = strategy
+    def __init__(self, planning: PlanningConfig, communication: Communication) -> None:
+        self.strategy = strategy_of(planning.explore)
+        self.coordination = coordination_of(planning.coordinate)
+        self._communication = communication
         self.goal_m: tuple[float, float] | None = None
         self.reports: tuple[FrontierReport, ...] = ()
         self.view: ExplorationView | None = None  # at the last choice, where the strategy answers tags by it
@@ -96,7 +96,7 @@ class Goals:
         )
 
     def choose(self, view: ExplorationView) -> Choice | None:
-        """Return the frontier that is worth most, None where there is none.
+        """Return the frontier to go to in view of the robots that are heard, None where there is none.
 
         The old goal is kept while its frontier is still there and nothing much better has come up; by a
         strategy that keeps its goals until the robot is there.
@@ -108,16 +108,10 @@ class Goals:
         kept = self._kept(view)
         if kept is not None:
             return kept
-        worths = self.strategy.worths(view)
-        best = int(np.argmax(worths))
-        if self.goal_m is not None:
-            x, y = self.goal_m
-            far = [hypot(f.goal_m[0] - x, f.goal_m[1] - y) for f in view.frontiers]
-            same = int(np.argmin(far))
-            gained = worths[best] - worths[same]
-            if far[same] < _SAME_GOAL_M and gained <= _KEEP_UNLESS * view.frontiers[same].cost_m:
-                best = same
-        self.reports = _reports(view.frontiers, [float(worth) for worth in worths], best)
+        goal_m = None if isinstance(self.strategy, KeepsGoals) else self.goal_m
+        team = self._communication.team(view, self.strategy, goal_m)
+        best = self.coordination.choose(team)
+        self.reports = _reports(view.frontiers, [float(worth) for worth in team.own], best)
         self._why = self.strategy.reason(view, best)
         return Choice(view.frontiers[best], self._why)
 
