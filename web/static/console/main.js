@@ -13,7 +13,7 @@ import { PlanTools } from "./stage.js";
 import { StopControl } from "./stop_control.js";
 import { Store } from "./store.js";
 import { Stream } from "./stream.js";
-import { StopBanner, TopBar, Veil } from "./top_bar.js";
+import { Banners, TopBar, Veil } from "./top_bar.js";
 import { html, render } from "./vendor.js";
 
 const MISSIONS_MS = 5000;
@@ -120,7 +120,7 @@ function renderPanels() {
   document.body.dataset.connection = state;
   document.title = `${state === "stale" ? "STALE · " : ""}${store.mission?.name ?? "Waymark"} · Waymark`;
   render(html`<${TopBar} store=${store} stops=${stops} onMission=${openMission} onView=${setView} />`, element("top"));
-  render(html`<${StopBanner} store=${store} stops=${stops} />`, element("banner"));
+  render(html`<${Banners} store=${store} stops=${stops} />`, element("banner"));
   render(html`<${RobotList} store=${store} stops=${stops} onSelect=${select("robot")} />`, element("robots"));
   render(html`
     <section id="alerts" aria-label="Alerts"><${AlertList} store=${store} onSelect=${show} /></section>
