@@ -79,7 +79,7 @@ class Cell:
         return ArenaConfig(
             scenario,
             in_order="at once",
-            sharing="none",
+            sharing="full",
             limit_s=60.0 * self.minutes,
             plan_cost_s=self.plan_cost_s,
         )
@@ -106,7 +106,7 @@ def play(cell: Cell) -> float:
 
 
 def safe_area_m2(world: World, trail: Array, seen: Mask, safe_m: float) -> float:
-    """Return the area in sight of a trail (k, 4) within a small range, in the world, that was ``seen``, (h, w)."""
+    """Return the area ``seen``, (h, w), that lies within a small range in sight of a trail (k, 4), in m2."""
     cells = np.where(world.free, FREE, OCCUPIED).astype(np.uint8)
     grid = PlanGrid(cells, cells, (float(world.origin_m[0]), float(world.origin_m[1])), world.resolution_m)
     safe = three_grids(grid, trail, safe_m).safe & seen
@@ -233,9 +233,9 @@ EXPERIMENT = Experiment(
         " runs. All methods have the same buildings and starts: gains are paired, with 95 % intervals (t).",
         "p of equals: two one-sided tests that the strategies differ by less than 30 m². ANOVA: two factors,"
         " runs as blocks.",
-        "s a way: what planning one way costs the robot that decides. By 'none' it plans as in the paper's steps"
-        " 1 to 4. Waymark floods its map once for each robot when its goal changes, and maps 3 m far.",
-        "The paper: five runs each, planning in real time on a machine that is not described. Not printed there"
+        "s a way: what planning one way costs the robot that decides. By 'none' it plans as the paper's steps"
+        " 1 to 4 do. Waymark floods its map once for each robot when its goal changes, and maps 3 m far.",
+        "The paper: five runs each, planning in real time on a machine that is not described. Not printed"
         " and chosen here: the bell of P(p) with 30 m, the battery's life, the base where a robot started.",
     ),
 )

@@ -104,13 +104,13 @@ class Goals:
         The old goal is kept while its frontier is still there and nothing much better has come up; by a
         strategy that keeps its goals until the robot is there.
         """
-        view = self._with_candidates(view)
-        self.view = view if isinstance(self.strategy, AnswersTags) else None
-        if not view.frontiers:
-            return None
         kept = self._kept(view)
         if kept is not None:
             return kept
+        view = self._with_candidates(replace(view, mates_trail=self._communication.mates_trail()))
+        self.view = view if isinstance(self.strategy, AnswersTags) else None
+        if not view.frontiers:
+            return None
         goal_m = None if isinstance(self.strategy, KeepsGoals) else self.goal_m
         team = self._communication.team(view, self.strategy, goal_m)
         best = self.coordination.choose(team)

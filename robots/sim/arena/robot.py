@@ -112,6 +112,10 @@ class ArenaRobot:
         self.says = intent.say
         self._handle_tags(intent)
         self.decision = intent.decision
+        thinking_s = self._config.plan_cost_s * self.scout.explorer.goals.take_planned()
+        if thinking_s > 0.0:
+            self._wakes_s = clock_s + thinking_s
+            return
         if self.decision.activity == "done":
             self._wakes_s = clock_s + _REST_S
         self._move(self.decision, others_m)
