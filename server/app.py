@@ -11,7 +11,7 @@ from fastapi import APIRouter, FastAPI
 from db.store import Store
 from server import VERSION
 from server.agents.process import ForkServer
-from server.api import alerts, best_map, health, logs, maps, missions, robots, stream, tags, victims
+from server.api import alerts, best_map, health, logs, maps, missions, orders, robots, stream, tags, victims
 from server.api import annotations as annotations_api
 from server.errors import add_error_handlers
 from server.guard import Guard
@@ -61,6 +61,7 @@ def create_app(settings: Settings) -> FastAPI:
         missions,
         logs,
         robots,
+        orders,
         tags,
         victims,
         alerts,

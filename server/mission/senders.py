@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from dataclasses import fields
+from dataclasses import fields, replace
 from math import inf
 
 from db.records import ObservationRecord
@@ -41,7 +41,8 @@ class Senders:
             return
         seq = known[-1].seq
         async for record in self._store.log.observations_after(self._mission_id, name, seq - 1, seq):
-            if record.body != codec.encode(known[-1]):
+            kept = codec.decode(record.body, Observation)  # orders are added here, not by the robot
+            if codec.encode(replace(kept, orders=known[-1].orders)) != codec.encode(known[-1]):
                 self._told_s[name] = time.monotonic()
                 text = _text(name, record, known[-1], before, sender)
                 await self._events.tell("name_shared", text, name, "alarm")
