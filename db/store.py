@@ -11,6 +11,7 @@ from db.log import LogStore
 from db.missions import MissionStore
 from db.nodes import NodeStore
 from db.orders import OrderStore
+from db.people import PeopleStore
 from db.tags import TagStore
 
 
@@ -26,6 +27,7 @@ class Store:
         self.nodes = NodeStore(database)
         self.orders = OrderStore(database)
         self.findings = FindingStore(database)
+        self.people = PeopleStore(database)
 
     @classmethod
     async def open(cls, target: str | Path) -> Store:

@@ -12,14 +12,15 @@ from fastapi import APIRouter
 from db.records import OrderRecord
 from robots.exploration.strategies import STRATEGIES
 from robots.orders import OrderKind
-from server.api.common import ERRORS, OneMission
+from server.api.common import ERRORS, READS, OneMission, Operator, TheChange
 from server.errors import ApiError
 from server.mission.mission import Mission
 from server.mission.orders import order_value
+from server.people.audit import AuditedRoute
 from server.robot import frontiers_value
 from server.schemas.orders import FrontiersOut, MethodsIn, MethodsOut, OrderIn, OrderOut, OrdersOut
 
-router = APIRouter(tags=["orders"], responses=ERRORS)
+router = APIRouter(tags=["orders"], responses=ERRORS, dependencies=READS, route_class=AuditedRoute)
 _ROBOT = "/missions/{mission_id}/robots/{robot_id}"
 _LISTED = 100
 
@@ -32,9 +33,12 @@ async def get_methods() -> MethodsOut:
 
 
 @router.patch(_ROBOT, summary="Change a robot's methods", operation_id="change_methods")
-async def change_methods(robot_id: str, body: MethodsIn, mission: OneMission) -> OrderOut:
+async def change_methods(
+    robot_id: str, body: MethodsIn, mission: OneMission, by: Operator, change: TheChange
+) -> OrderOut:
     """Order a robot to explore by other methods, from its next observation on."""
     mission.roster.get(robot_id)
+    change.subject = robot_id
     chosen = {name: getattr(body, name) for name in _known() if getattr(body, name)}
     if not chosen:
         raise ApiError(422, "invalid", "Nothing is to be changed; name a method.")
@@ -43,14 +47,17 @@ async def change_methods(robot_id: str, body: MethodsIn, mission: OneMission) ->
             known = ", ".join(sorted(_known()[name])) or "none"
             text = f"{name}: there is no {value!r}; known are {known}."
             raise ApiError(422, "unknown_method", text, name)
-    return await _issue(mission, _record(robot_id, "methods", body.by, **chosen))
+    return await _issue(mission, _record(robot_id, "methods", by.name, **chosen))
 
 
 @router.post(f"{_ROBOT}/orders", status_code=201, summary="Order a robot", operation_id="give_order")
-async def give_order(robot_id: str, body: OrderIn, mission: OneMission) -> OrderOut:
+async def give_order(
+    robot_id: str, body: OrderIn, mission: OneMission, by: Operator, change: TheChange
+) -> OrderOut:
     """Keep an order until the robot is heard next; it goes into the log with that observation."""
     mission.roster.get(robot_id)
-    return await _issue(mission, _record(robot_id, body.kind, body.by, x_m=body.x_m, y_m=body.y_m))
+    change.subject = robot_id
+    return await _issue(mission, _record(robot_id, body.kind, by.name, x_m=body.x_m, y_m=body.y_m))
 
 
 @router.get(f"{_ROBOT}/orders", summary="Orders to a robot", operation_id="get_orders")

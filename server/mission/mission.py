@@ -32,6 +32,7 @@ from server.mission.links import Links
 from server.mission.memories import Memories
 from server.mission.nodes import Nodes
 from server.mission.orders import Orders
+from server.mission.presence import Presence
 from server.mission.recovery import Recovery
 from server.mission.replies import fresh_of, reply_to
 from server.mission.roster import Roster
@@ -64,6 +65,7 @@ class Mission:
         self.mission_id = mission_id
         self.board = Board()
         self.events = Events(store, mission_id, self.board)
+        self.presence = Presence(self.board)
         self.annotations = Annotations(store, mission_id, self.board)
         self.victims = Victims(store, mission_id, self.board, self.events)
         self.memories = Memories(store, mission_id, bytes.fromhex(record.tag_key), self.events)

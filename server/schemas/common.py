@@ -26,7 +26,6 @@ def _is_base64(text: str) -> str:
 
 
 Name = Annotated[str, Field(min_length=1, max_length=64, pattern=NAME_PATTERN)]
-Person = Annotated[str, Field(min_length=1, max_length=200, description="Who says so.")]
 Metres = Annotated[float, Field(ge=-1e6, le=1e6)]
 Radians = Annotated[float, Field(ge=-1e4, le=1e4)]
 Seconds = Annotated[float, Field(ge=-1e12, le=1e12)]

@@ -7,7 +7,7 @@ from typing import Annotated, Self
 from pydantic import ConfigDict, Field, model_validator
 
 from robots.orders import PLACED, OrderKind, OrderState
-from server.schemas.common import Metres, Name, Person, Wire
+from server.schemas.common import Metres, Name, Wire
 
 MAX_ORDERS = 16  # in one observation
 Method = Annotated[str, Field(max_length=40, description="The name of a method; without it, it stays.")]
@@ -32,8 +32,8 @@ class OrderIn(Wire):
     model_config = ConfigDict(
         json_schema_extra={
             "examples": [
-                {"kind": "return", "by": "Ada"},
-                {"kind": "go_to", "x_m": 12.5, "y_m": 3.0, "by": "Ada"},
+                {"kind": "return"},
+                {"kind": "go_to", "x_m": 12.5, "y_m": 3.0},
             ]
         }
     )
@@ -41,7 +41,6 @@ class OrderIn(Wire):
     kind: Annotated[OrderKind, Field(description="What to do; go_to and explore_here need a place.")]
     x_m: Metres | None = Field(None, description="The place, in the world frame.")
     y_m: Metres | None = Field(None, description="The place, in the world frame.")
-    by: Person
 
     @model_validator(mode="after")
     def _has_what_it_needs(self) -> Self:
@@ -58,12 +57,11 @@ class OrderIn(Wire):
 class MethodsIn(Wire):
     """Methods to change; those left out stay as they are."""
 
-    model_config = ConfigDict(json_schema_extra={"examples": [{"explore": "nearest", "by": "Ada"}]})
+    model_config = ConfigDict(json_schema_extra={"examples": [{"explore": "nearest"}]})
 
     explore: Method = ""
     coordinate: Method = ""
     communication: Method = ""
-    by: Person
 
 
 class MethodsOut(Wire):

@@ -12,18 +12,10 @@ from robots.config import AgentConfig
 from robots.overrides import override
 from robots.sim.wire import observation_from_wire, order_from_wire
 from robots.types import Observation
-from tests.server.conftest import CONFIG, START, Line
-
-
-@pytest.fixture
-def line(control) -> Line:
-    line = control.open()
-    assert line.register("r1", **Line.words).status_code == 201
-    return line
 
 
 def order(line, kind, robot_id="r1", **place):
-    response = line.call("POST", f"/robots/{robot_id}/orders", {"kind": kind, "by": "Ada", **place})
+    response = line.call("POST", f"/robots/{robot_id}/orders", {"kind": kind, **place})
     assert response.status_code == 201, response.text
     return response.json()
 
@@ -56,26 +48,31 @@ def test_an_order_goes_into_the_log_with_the_next_observation_and_is_reported(li
     log = stored(line, control)
     with_orders = [o.seq for o in log if o.orders]
     assert with_orders == [drive.batches[3][-1].seq]
-    assert log[with_orders[0]].orders[0].by == "Ada"
+    assert log[with_orders[0]].orders[0].by == "operator"
     reply = line.send(drive.wires[4])
     assert reply["command"]["linear_mps"] == reply["command"]["angular_radps"] == 0.0
     state = line.get("/robots/r1")["state"]
-    assert (state["activity"], state["reason"]) == ("holding", "standing still, ordered by Ada")
+    assert (state["activity"], state["reason"]) == ("holding", "standing still, ordered by operator")
     order(line, "resume")
     line.send(drive.wires[5])
     eventually(line, [("resume", "done"), ("hold", "done")])
     assert line.get("/robots/r1")["state"]["activity"] != "holding"
-    assert [e["text"] for e in line.events("order")] == ["r1: hold, says Ada.", "r1: resume, says Ada."]
+    assert [e["text"] for e in line.events("order")] == [
+        "r1: hold, says operator.",
+        "r1: resume, says operator.",
+    ]
 
 
 def test_a_replay_of_the_log_decides_the_same(line, control, drive):
     for k, batch in enumerate(drive.wires[:12]):
         if k == 4:
-            order(line, "go_to", x_m=START["x_m"] + 1.0, y_m=START["y_m"])
+            order(
+                line, "go_to", x_m=line.words["start_pose"]["x_m"] + 1.0, y_m=line.words["start_pose"]["y_m"]
+            )
         if k == 8:
-            line.call("PATCH", "/robots/r1", {"explore": "nearest", "by": "Bob"})
+            line.call("PATCH", "/robots/r1", {"explore": "nearest"})
         reply = line.send(batch)
-    agent = RobotAgent("r1", override(AgentConfig(), CONFIG))
+    agent = RobotAgent("r1", override(AgentConfig(), line.words["config"]))
     for observation in stored(line, control):
         update = agent.step(observation)
     assert reply["command"]["linear_mps"] == update.command.linear_mps
@@ -86,10 +83,15 @@ def test_a_replay_of_the_log_decides_the_same(line, control, drive):
 def test_a_place_in_the_world_is_told_in_the_robots_map(line, control, drive):
     for batch in drive.wires[:3]:
         line.send(batch)
-    order(line, "explore_here", x_m=START["x_m"] + 2.0, y_m=START["y_m"] + 1.0)
+    order(
+        line,
+        "explore_here",
+        x_m=line.words["start_pose"]["x_m"] + 2.0,
+        y_m=line.words["start_pose"]["y_m"] + 1.0,
+    )
     line.send(drive.wires[3])
     (told,) = stored(line, control)[-1].orders
-    agent = RobotAgent("r1", override(AgentConfig(), CONFIG))
+    agent = RobotAgent("r1", override(AgentConfig(), line.words["config"]))
     for observation in stored(line, control):
         heading = agent.step(observation).pose.theta  # in its map, which is north up
     turned = heading - line.get("/robots/r1")["state"]["yaw_rad"]
@@ -107,12 +109,12 @@ def test_sending_again_is_no_offence_though_an_order_was_added(line, drive):
 
 def test_an_agent_on_board_is_told_in_the_reply_and_puts_it_into_its_next_observation(control, drive):
     line = control.open()
-    line.register("r1", agent="onboard", **Line.words)
+    line.register("r1", agent="onboard", **line.words)
     line.send(drive.wires[0])
     order(line, "hold")
     reply = line.send(drive.wires[1])
     (told,) = reply["orders"]
-    assert (told["kind"], told["by"]) == ("hold", "Ada")
+    assert (told["kind"], told["by"]) == ("hold", "operator")
     assert states(line) == [("hold", "issued")]
     batch = [*drive.wires[2][:-1], {**drive.wires[2][-1], "orders": [told]}]
     assert observation_from_wire(batch[-1]).orders == (order_from_wire(told),)
@@ -123,13 +125,13 @@ def test_an_agent_on_board_is_told_in_the_reply_and_puts_it_into_its_next_observ
 def test_methods_change_by_patch_and_unknown_ones_are_refused_with_the_known(line, drive):
     line.send(drive.wires[0])
     assert line.get("/robots/r1")["state"]["methods"]["explore"] == "waymark"
-    response = line.call("PATCH", "/robots/r1", {"explore": "nearest", "by": "Ada"})
+    response = line.call("PATCH", "/robots/r1", {"explore": "nearest"})
     assert response.json()["state"] == "issued"
     line.send(drive.wires[1])
     eventually(line, [("methods", "done")])
     assert line.get("/robots/r1")["state"]["methods"]["explore"] == "nearest"
     assert line.events("order_done")[-1]["text"] == "r1: explore nearest: done, explore by nearest."
-    refused = line.call("PATCH", "/robots/r1", {"explore": "astrology", "by": "Ada"})
+    refused = line.call("PATCH", "/robots/r1", {"explore": "astrology"})
     assert refused.status_code == 422
     error = refused.json()["error"]
     assert (error["code"], error["field"]) == ("unknown_method", "explore")
@@ -137,18 +139,17 @@ def test_methods_change_by_patch_and_unknown_ones_are_refused_with_the_known(lin
     assert "nearest" in error["message"]
     known = httpx.get(f"http://127.0.0.1:{line.control.port}/api/v1/methods").json()
     assert {"nearest", "waymark"} <= set(known["explore"])
-    assert line.refused("PATCH", "/robots/r1", {"by": "Ada"}) == (422, "invalid", None)
+    assert line.refused("PATCH", "/robots/r1", {}) == (422, "invalid", None)
 
 
 @pytest.mark.parametrize(
     ("body", "code"),
     [
-        ({"kind": "go_to", "by": "Ada"}, "invalid"),
-        ({"kind": "hold", "x_m": 1.0, "y_m": 2.0, "by": "Ada"}, "invalid"),
-        ({"kind": "methods", "by": "Ada"}, "invalid"),
-        ({"kind": "dance", "by": "Ada"}, "invalid"),
-        ({"kind": "hold"}, "invalid"),
-        ({"kind": "go_to", "x_m": 1e9, "y_m": 0.0, "by": "Ada"}, "invalid"),
+        ({"kind": "go_to"}, "invalid"),
+        ({"kind": "hold", "x_m": 1.0, "y_m": 2.0}, "invalid"),
+        ({"kind": "methods"}, "invalid"),
+        ({"kind": "dance"}, "invalid"),
+        ({"kind": "go_to", "x_m": 1e9, "y_m": 0.0}, "invalid"),
     ],
 )
 def test_what_is_no_order_is_refused(line, body, code):
@@ -157,13 +158,13 @@ def test_what_is_no_order_is_refused(line, body, code):
 
 
 def test_an_unknown_robot_and_too_many_orders_are_refused(line):
-    assert line.refused("POST", "/robots/r9/orders", {"kind": "hold", "by": "A"})[:2] == (
+    assert line.refused("POST", "/robots/r9/orders", {"kind": "hold"})[:2] == (
         404,
         "unknown_robot",
     )
     for _ in range(16):
         order(line, "hold")
-    assert line.refused("POST", "/robots/r1/orders", {"kind": "hold", "by": "A"})[:2] == (
+    assert line.refused("POST", "/robots/r1/orders", {"kind": "hold"})[:2] == (
         409,
         "too_many_orders",
     )
@@ -172,7 +173,7 @@ def test_an_unknown_robot_and_too_many_orders_are_refused(line):
 def test_orders_survive_a_restart_of_the_server(make_control, tmp_path, drive):
     control = make_control(tmp_path)
     line = control.open("m1")
-    line.register("r1", **Line.words)
+    line.register("r1", **line.words)
     for batch in drive.wires[:2]:
         line.send(batch)
     order(line, "hold")
@@ -181,7 +182,7 @@ def test_orders_survive_a_restart_of_the_server(make_control, tmp_path, drive):
     order(line, "resume")
     control.stop()
     again = make_control(tmp_path)
-    line = Line(again, "m1")
+    line = again.line("m1")
     assert states(line) == [("resume", "issued"), ("hold", "done")]
     line.send(drive.wires[3])
     eventually(line, [("resume", "done"), ("hold", "done")])
