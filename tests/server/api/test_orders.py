@@ -64,6 +64,7 @@ def test_an_order_goes_into_the_log_with_the_next_observation_and_is_reported(li
 
 
 def test_a_replay_of_the_log_decides_the_same(line, control, drive):
+    start = line.words["start_pose"]
     for k, batch in enumerate(drive.wires[:12]):
         if k == 4:
             order(
