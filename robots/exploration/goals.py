@@ -6,18 +6,17 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import hypot
 
-import numpy as np
-
-from robots.config import ConfigError
+from robots.config import ConfigError, PlanningConfig
+from robots.exploration.communication import Communication
+from robots.exploration.coordination import coordination_of
 from robots.exploration.frontiers import Frontier, find_frontiers, find_shut_off
 from robots.exploration.ground import Ground
 from robots.exploration.strategies import STRATEGIES
 from robots.exploration.strategy import ExplorationView, OwnCandidates, Strategy
+from robots.orders import Methods
 from robots.types import FrontierReport
 
 MAX_REPORTED = 48
-_SAME_GOAL_M = 1.2  # a frontier this near to the old goal is what the old goal has become
-_KEEP_UNLESS = 0.4  # the old goal is kept unless another is worth more by this share of the way to it
 _ASIDE_M = 0.7
 _ASIDE_S = (20.0, 60.0)  # a goal that came to nothing is tried again after so long, and then again
 _TRIES = 1 + len(_ASIDE_S)
@@ -54,11 +53,22 @@ class Goals:
     ``goal_m`` (x, y) in the map frame; ``reports`` the edges of the last plan, best first.
     """
 
-    def __init__(self, strategy: Strategy) -> None:
-        self.strategy = strategy
+    def __init__(self, planning: PlanningConfig, communication: Communication) -> None:
+        self.strategy = strategy_of(planning.explore)
+        self.coordination = coordination_of(planning.coordinate)
+        self._communication = communication
         self.goal_m: tuple[float, float] | None = None
         self.reports: tuple[FrontierReport, ...] = ()
         self._aside: list[_Aside] = []
+
+    def change(self, methods: Methods) -> None:
+        """Go on by other methods; an empty name leaves one as it is. Names are known ones."""
+        if methods.explore:
+            self.strategy = strategy_of(methods.explore)
+        if methods.coordinate:
+            self.coordination = coordination_of(methods.coordinate)
+        if methods.communication:
+            self._communication.kind = methods.communication
 
     def put_aside(self, goal_m: tuple[float, float], now_s: float) -> None:
         """Leave a goal (map frame) for a while: being there did not help. Every time for longer."""
@@ -67,7 +77,7 @@ class Goals:
             known = _Aside(*goal_m, until_s=0.0, tries=0)
             self._aside.append(known)
         known.tries += 1
-        known.until_s = now_s + (*_ASIDE_S, _FORGOTTEN_S)[known.tries - 1]
+        known.until_s = now_s + (*_ASIDE_S, _FORGOTTEN_S)[min(known.tries, _TRIES) - 1]
         self.goal_m = None
 
     def waiting(self, frontiers: Sequence[Frontier], now_s: float) -> float | None:
@@ -92,23 +102,16 @@ class Goals:
         )
 
     def choose(self, view: ExplorationView) -> Choice | None:
-        """Return the frontier that is worth most, None where there is none.
+        """Return the frontier to go to in view of the robots that are heard, None where there is none.
 
         The old goal is kept while its frontier is still there and nothing much better has come up.
         """
         if not view.frontiers:
             return None
         view = self._with_candidates(view)
-        worths = self.strategy.worths(view)
-        best = int(np.argmax(worths))
-        if self.goal_m is not None:
-            x, y = self.goal_m
-            far = [hypot(f.goal_m[0] - x, f.goal_m[1] - y) for f in view.frontiers]
-            same = int(np.argmin(far))
-            gained = worths[best] - worths[same]
-            if far[same] < _SAME_GOAL_M and gained <= _KEEP_UNLESS * view.frontiers[same].cost_m:
-                best = same
-        self.reports = _reports(view.frontiers, [float(worth) for worth in worths], best)
+        team = self._communication.team(view, self.strategy, self.goal_m)
+        best = self.coordination.choose(team)
+        self.reports = _reports(view.frontiers, [float(worth) for worth in team.own], best)
         return Choice(view.frontiers[best], self.strategy.reason(view, best))
 
     def _with_candidates(self, view: ExplorationView) -> ExplorationView:

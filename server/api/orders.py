@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Collection
 from typing import Any
 from uuid import uuid4
 
 from fastapi import APIRouter
 
 from db.records import OrderRecord
-from robots.exploration.strategies import STRATEGIES
+from robots.exploration.methods import KNOWN, unknown_method
 from robots.orders import OrderKind
 from server.api.common import ERRORS, READS, OneMission, Operator, TheChange
 from server.errors import ApiError
@@ -28,8 +27,7 @@ _LISTED = 100
 @router.get("/methods", summary="The names of all methods", operation_id="get_methods")
 async def get_methods() -> MethodsOut:
     """Return the names by which methods are chosen."""
-    known = _known()
-    return MethodsOut(**{name: sorted(names) for name, names in known.items()})
+    return MethodsOut(**{name: sorted(names) for name, names in KNOWN.items()})
 
 
 @router.patch(_ROBOT, summary="Change a robot's methods", operation_id="change_methods")
@@ -39,14 +37,13 @@ async def change_methods(
     """Order a robot to explore by other methods, from its next observation on."""
     mission.roster.get(robot_id)
     change.subject = robot_id
-    chosen = {name: getattr(body, name) for name in _known() if getattr(body, name)}
+    chosen = {name: getattr(body, name) for name in KNOWN if getattr(body, name)}
     if not chosen:
         raise ApiError(422, "invalid", "Nothing is to be changed; name a method.")
     for name, value in chosen.items():
-        if value not in _known()[name]:
-            known = ", ".join(sorted(_known()[name])) or "none"
-            text = f"{name}: there is no {value!r}; known are {known}."
-            raise ApiError(422, "unknown_method", text, name)
+        wrong = unknown_method(name, value)
+        if wrong is not None:
+            raise ApiError(422, "unknown_method", f"{wrong}.", name)
     return await _issue(mission, _record(robot_id, "methods", by.name, **chosen))
 
 
@@ -73,10 +70,6 @@ async def get_frontiers(robot_id: str, mission: OneMission) -> FrontiersOut:
     """Return the edges of the unknown as the robot weighed them last, in the world frame."""
     value = frontiers_value(mission.roster.get(robot_id))
     return FrontiersOut.model_validate(value or {"robot_id": robot_id, "frontiers": []})
-
-
-def _known() -> dict[str, Collection[str]]:
-    return {"explore": STRATEGIES, "coordinate": (), "communication": ()}
 
 
 def _record(robot_id: str, kind: OrderKind, by: str, **more: Any) -> OrderRecord:

@@ -34,6 +34,7 @@ from server.mission.nodes import Nodes
 from server.mission.orders import Orders
 from server.mission.presence import Presence
 from server.mission.recovery import Recovery
+from server.mission.relay import Relay
 from server.mission.replies import fresh_of, reply_to
 from server.mission.roster import Roster
 from server.mission.senders import Senders
@@ -77,6 +78,7 @@ class Mission:
         doubts = Doubts(store, mission_id, self.events)
         self.shared_map = SharedMap(store, forks, self.board, self.roster, self.victims, doubts, on_grid)
         self.best_map = BestMap(store, forks, self.board, self.roster, self.shared_map, self._tasks)
+        self._relay = Relay(self.roster)
         self._senders = Senders(store, mission_id, self.events)
         self._links = Links(self.roster, self.events, settings)
         self._recovery = Recovery(
@@ -166,13 +168,14 @@ class Mission:
     async def _accept(self, robot: Robot, fresh: list[Observation]) -> None:
         """Save observations, and only then let the agent think about them."""
         now = time.time()
-        fresh = self.orders.attach(robot, fresh)
+        fresh = self.orders.attach(robot, self._relay.heard(robot, fresh))
         bodies = [codec.encode(observation) for observation in fresh]
         records = [
             ObservationRecord(observation.seq, observation.stamp_s, now, body)
             for observation, body in zip(fresh, bodies, strict=True)
         ]
         await self._store.log.append_observations(self.mission_id, robot.robot_id, records)
+        self._relay.done(robot, fresh[0])
         robot.next_seq = fresh[-1].seq + 1
         robot.last_stamp_s = fresh[-1].stamp_s
         robot.battery = next((o.battery for o in reversed(fresh) if o.battery is not None), robot.battery)
@@ -213,6 +216,7 @@ class Mission:
             before = robot.update
             updates = [self._take(robot, answer) for answer in answers]
             made = [update for update in updates if update is not None]
+            self._relay.take(robot, made)
             await self._save(robot, made)
             self.roster.publish([robot])
             await self._tell_activity(robot, before)

@@ -41,11 +41,16 @@ class Senders:
             return
         seq = known[-1].seq
         async for record in self._store.log.observations_after(self._mission_id, name, seq - 1, seq):
-            kept = codec.decode(record.body, Observation)  # orders are added here, not by the robot
-            if codec.encode(replace(kept, orders=known[-1].orders)) != codec.encode(known[-1]):
+            if record.body != codec.encode(known[-1]) and _differs(record, known[-1]):
                 self._told_s[name] = time.monotonic()
                 text = _text(name, record, known[-1], before, sender)
                 await self._events.tell("name_shared", text, name, "alarm")
+
+
+def _differs(record: ObservationRecord, other: Observation) -> bool:
+    """Say whether more differs than what the server added: orders, and messages of the team."""
+    kept = codec.decode(record.body, Observation)
+    return codec.encode(replace(kept, heard=other.heard, orders=other.orders)) != codec.encode(other)
 
 
 def _text(name: str, record: ObservationRecord, other: Observation, before: str, sender: str) -> str:

@@ -7,7 +7,7 @@ from typing import Annotated, Literal, Self
 from pydantic import ConfigDict, Field, model_validator
 from pydantic.config import JsonDict
 
-from server.schemas.common import Base64, Name, PoseWire, Radians, Seconds, Share, Wire
+from server.schemas.common import Base64, Name, PoseWire, Radians, Seconds, Share, TeamBytes, Wire
 from server.schemas.orders import MAX_ORDERS, RobotOrderWire
 
 MAX_BATCH = 2_000
@@ -189,6 +189,9 @@ class ObservationIn(Wire):
         max_length=MAX_ORDERS,
         description="What an agent on board was told by the last reply; to others the server adds it.",
     )
+    heard: list[TeamBytes] = Field(
+        default_factory=list, max_length=256, description="Messages of the team, as `say` of a command."
+    )
 
 
 class TagWriteWire(Wire):
@@ -205,6 +208,7 @@ class CommandWire(Wire):
     angular_radps: float
     drop_tag: bool
     writes: list[TagWriteWire]
+    say: TeamBytes | None = Field(None, description="A message to the robots in reach, in base64.")
 
 
 class OnboardWire(Wire):

@@ -9,6 +9,7 @@ import pytest
 from robots import codec
 from robots.agent import RobotAgent
 from robots.config import AgentConfig
+from robots.orders import Methods
 from robots.overrides import override
 from robots.sim.wire import observation_from_wire, order_from_wire
 from robots.types import Observation
@@ -67,18 +68,18 @@ def test_a_replay_of_the_log_decides_the_same(line, control, drive):
     start = line.words["start_pose"]
     for k, batch in enumerate(drive.wires[:12]):
         if k == 4:
-            order(
-                line, "go_to", x_m=line.words["start_pose"]["x_m"] + 1.0, y_m=line.words["start_pose"]["y_m"]
-            )
+            order(line, "go_to", x_m=start["x_m"] + 1.0, y_m=start["y_m"])
         if k == 8:
-            line.call("PATCH", "/robots/r1", {"explore": "nearest"})
+            words = {"explore": "nearest", "coordinate": "hungarian", "communication": "none"}
+            line.call("PATCH", "/robots/r1", words)
         reply = line.send(batch)
     agent = RobotAgent("r1", override(AgentConfig(), line.words["config"]))
     for observation in stored(line, control):
         update = agent.step(observation)
     assert reply["command"]["linear_mps"] == update.command.linear_mps
     assert reply["command"]["angular_radps"] == update.command.angular_radps
-    assert line.get("/robots/r1")["state"]["methods"]["explore"] == update.methods.explore == "nearest"
+    assert line.get("/robots/r1")["state"]["methods"] == words
+    assert update.methods == Methods(**words)
 
 
 def test_a_place_in_the_world_is_told_in_the_robots_map(line, control, drive):
