@@ -184,6 +184,7 @@ class DeploymentConfig:
     spacing_m: float = 4.0
     side_window_m: float = 1.5
     rate_per_m: float = 1.2  # expected drops per metre where tags are wanted most
+    even_m: float = 0.0  # instead, one wherever none is known within so far (Ziparo 2007: 1 m)
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,11 +12,13 @@ from robots.exploration.coordination import coordination_of
 from robots.exploration.frontiers import Frontier, find_frontiers, find_shut_off
 from robots.exploration.ground import Ground
 from robots.exploration.strategies import STRATEGIES
-from robots.exploration.strategy import ExplorationView, OwnCandidates, Strategy
+from robots.exploration.strategy import AnswersTags, ExplorationView, KeepsGoals, OwnCandidates, Strategy
 from robots.orders import Methods
+from robots.planning.travel import UNREACHED
 from robots.types import FrontierReport
 
 MAX_REPORTED = 48
+_ARRIVED_M = 0.4
 _ASIDE_M = 0.7
 _ASIDE_S = (20.0, 60.0)  # a goal that came to nothing is tried again after so long, and then again
 _TRIES = 1 + len(_ASIDE_S)
@@ -59,6 +61,8 @@ class Goals:
         self._communication = communication
         self.goal_m: tuple[float, float] | None = None
         self.reports: tuple[FrontierReport, ...] = ()
+        self.view: ExplorationView | None = None  # at the last choice, where the strategy answers tags by it
+        self._why = ""
         self._aside: list[_Aside] = []
 
     def change(self, methods: Methods) -> None:
@@ -104,15 +108,34 @@ class Goals:
     def choose(self, view: ExplorationView) -> Choice | None:
         """Return the frontier to go to in view of the robots that are heard, None where there is none.
 
-        The old goal is kept while its frontier is still there and nothing much better has come up.
+        The old goal is kept while its frontier is still there and nothing much better has come up; by a
+        strategy that keeps its goals until the robot is there.
         """
+        view = self._with_candidates(view)
+        self.view = view if isinstance(self.strategy, AnswersTags) else None
         if not view.frontiers:
             return None
-        view = self._with_candidates(view)
-        team = self._communication.team(view, self.strategy, self.goal_m)
+        kept = self._kept(view)
+        if kept is not None:
+            return kept
+        goal_m = None if isinstance(self.strategy, KeepsGoals) else self.goal_m
+        team = self._communication.team(view, self.strategy, goal_m)
         best = self.coordination.choose(team)
         self.reports = _reports(view.frontiers, [float(worth) for worth in team.own], best)
-        return Choice(view.frontiers[best], self.strategy.reason(view, best))
+        self._why = self.strategy.reason(view, best)
+        return Choice(view.frontiers[best], self._why)
+
+    def _kept(self, view: ExplorationView) -> Choice | None:
+        """Return the goal that the robot is on its way to where its strategy decides on arrival alone."""
+        goal, grid, costs = self.goal_m, view.grid, view.costs
+        if not isinstance(self.strategy, KeepsGoals) or goal is None or grid is None or costs is None:
+            return None
+        cell = grid.cell_of(*goal)
+        arrived = hypot(goal[0] - view.pose.x, goal[1] - view.pose.y) < _ARRIVED_M
+        if arrived or not grid.holds(*cell) or costs[cell] == UNREACHED:
+            return None
+        cost_m = float(costs[cell]) / 5.0 * grid.cell_m
+        return Choice(Frontier(cell, goal, 0.0, cost_m), self._why)
 
     def _with_candidates(self, view: ExplorationView) -> ExplorationView:
         """Return the view with the strategy's own candidates, where it has any."""

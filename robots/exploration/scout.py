@@ -17,6 +17,7 @@ from robots.exploration.aim import Decision
 from robots.exploration.claims import PlaceOf
 from robots.exploration.communication import Communication
 from robots.exploration.explorer import Explorer
+from robots.exploration.strategy import AnswersTags, PlansLocally
 from robots.exploration.witness import Witness
 from robots.mapping.fused import FusedGrid
 from robots.mapping.local_grid import LocalGrid
@@ -182,7 +183,9 @@ class Scout:
         if self.decision.drop_tag and self._dropper.drop_here(now.distance_m):
             self.explorer.errands.tag_dropped()
             return True
-        return self._dropper.should_drop(now.distance_m, now.pose, now.fused, now.tag_places())
+        strategy = self.explorer.goals.strategy
+        even_m = strategy.tag_every_m if isinstance(strategy, PlansLocally) else 0.0
+        return self._dropper.should_drop(now.distance_m, now.pose, now.fused, now.tag_places(), even_m)
 
     def _hear(self, now: Situation, sighting: TagSighting) -> None:
         """Believe what a tag of the mission says of the ground round it; its frame needs a compass."""
@@ -206,12 +209,17 @@ class Scout:
             return None
         if not says.trusted:
             return None  # a stranger's memory is left as it is
-        mine = replace(self._told_of(now, tag_id, says.memory), maps=self._map_to_leave(now))
-        memory = says.memory.merge(mine).fit(told.room_bytes)
+        memory = self._answer(now, tag_id, says.memory).fit(told.room_bytes)
         if memory == says.memory:
             return None
         record = close_memory(memory, says.next_revision, tag_id, told.key_bytes, told.room_bytes)
         return TagWrite(tag_id, record)
+
+    def _answer(self, now: Situation, tag_id: str, said: TagMemory) -> TagMemory:
+        goals, place = self.explorer.goals, now.tag_place(tag_id) if now.north else None
+        if isinstance(goals.strategy, AnswersTags) and goals.view is not None and place is not None:
+            return goals.strategy.answer(said, goals.view, place)
+        return said.merge(replace(self._told_of(now, tag_id, said), maps=self._map_to_leave(now)))
 
     def _told_of(self, now: Situation, tag_id: str, said: TagMemory) -> TagMemory:
         """Return what is known of the ground round a tag; its frame needs a compass."""
