@@ -38,7 +38,7 @@ class Communication:
         self.robot_id = robot_id
         self._config = config
         self._reach_m = min(4.0, config.mapping.max_range_m)  # of the laser, until it is known
-        self._talks = config.planning.communication in ("full", "radio")
+        self.kind: str = config.planning.communication
         self._gossip = Gossip(robot_id)
         self._mission_from_map: Pose2 | None = None
         self._said_s: float | None = None
@@ -48,7 +48,7 @@ class Communication:
 
     def hear(self, now_s: float, north: bool, messages: Sequence[bytes]) -> tuple[str, ...]:
         """Take in messages; return doubts, each told once. ``north``: the map's x axis points north."""
-        if not self._talks:
+        if self.kind not in ("full", "radio"):
             return ()
         if self._mission_from_map is None:
             start = self._config.start
@@ -84,6 +84,8 @@ class Communication:
         ``reach_m`` is how far the laser sees.
         """
         frame = self._mission_from_map
+        if self.kind not in ("full", "radio"):
+            return None
         if frame is None or (self._said_s is not None and now_s - self._said_s < SAY_EVERY_S):
             return None
         self._said_s, self._reach_m = now_s, min(reach_m, self._config.mapping.max_range_m)

@@ -15,6 +15,7 @@ from robots.exploration.frontiers import Frontier, find_frontiers, find_shut_off
 from robots.exploration.ground import Ground
 from robots.exploration.strategies import STRATEGIES
 from robots.exploration.strategy import AnswersTags, ExplorationView, KeepsGoals, OwnCandidates, Strategy
+from robots.orders import Methods
 from robots.planning.travel import UNREACHED
 from robots.types import FrontierReport
 
@@ -67,6 +68,15 @@ class Goals:
         self._planned = 0
         self._aside: list[_Aside] = []
 
+    def change(self, methods: Methods) -> None:
+        """Go on by other methods; an empty name leaves one as it is. Names are known ones."""
+        if methods.explore:
+            self.strategy = strategy_of(methods.explore)
+        if methods.coordinate:
+            self.coordination = coordination_of(methods.coordinate)
+        if methods.communication:
+            self._communication.kind = methods.communication
+
     def put_aside(self, goal_m: tuple[float, float], now_s: float) -> None:
         """Leave a goal (map frame) for a while: being there did not help. Every time for longer."""
         known = self._aside_at(goal_m)
@@ -74,7 +84,7 @@ class Goals:
             known = _Aside(*goal_m, until_s=0.0, tries=0)
             self._aside.append(known)
         known.tries += 1
-        known.until_s = now_s + (*_ASIDE_S, _FORGOTTEN_S)[known.tries - 1]
+        known.until_s = now_s + (*_ASIDE_S, _FORGOTTEN_S)[min(known.tries, _TRIES) - 1]
         self.goal_m = None
 
     def waiting(self, frontiers: Sequence[Frontier], now_s: float) -> float | None:
