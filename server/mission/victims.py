@@ -112,8 +112,7 @@ class Victims:
                 robot_id=victim.robots[0], victim_id=victim.victim_id,
             )  # fmt: skip
         for name in gone:
-            text = f"Victim {name} turned out to be another."
-            await self._alerts.end("victim", name, text, event="victim_merged")
+            await self._alerts.settle("victim", name, "the team map")
 
     def _keep(self, victims: Iterable[VictimRecord]) -> None:
         for victim in victims:
