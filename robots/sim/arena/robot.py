@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import hypot
 
 import numpy as np
@@ -39,8 +40,9 @@ class ArenaRobot:
     ) -> None:
         scenario = config.scenario
         self.robot_id = scenario.robot_ids[index]
-        self.scout = Scout(self.robot_id, config.agent_of(self.robot_id))
         self.start = self.pose = ground.starts[index]
+        told = replace(config.agent_of(self.robot_id), start=(self.start.x, self.start.y, self.start.theta))
+        self.scout = Scout(self.robot_id, told)
         self.map = self._begin_map(ground, shared)
         self.places = BelievedPlaces(field, self.start, config.tag_error_m, (scenario.seed, 30, index))
         self.seen: Cells = np.zeros_like(ground.world.cells)
@@ -48,6 +50,7 @@ class ArenaRobot:
         self.steps = 0
         self.times_stuck = 0
         self.decision = self.scout.decision
+        self.says: bytes | None = None
         self._config = config
         self._world = ground.world
         self._field = field
@@ -64,8 +67,12 @@ class ArenaRobot:
         self._wakes_s = 0.0
         self._way: tuple[float, float, float] | None = None  # where and when it last made way
 
-    def step(self, clock_s: float, others_m: Array) -> None:
-        """Look, read tags, decide, and move on for one step; others' places (k, 2) where they count."""
+    def step(self, clock_s: float, others_m: Array, heard: tuple[bytes, ...] = ()) -> None:
+        """Look, read tags, decide, and move on for one step; others' places (k, 2) where they count.
+
+        ``heard``: messages of the team; ``says`` is this robot's own, to be taken by whoever carries it.
+        """
+        self.says = None
         if clock_s < self._wakes_s:
             return
         if self.steps == 0:
@@ -78,6 +85,8 @@ class ArenaRobot:
             ahead = pose @ Pose2(self._radius_m + _FELT_M, 0.0, 0.0)
             self.map.add_obstacle(ahead.x, ahead.y, _FELT_M)
         read = self._read(clock_s)
+        if heard and self._news_s is None:
+            self._news_s = clock_s
         if self._must_plan(clock_s, pose):
             self.scout.replan()
             self._planned_s, self._news_s = clock_s, None
@@ -97,10 +106,16 @@ class ArenaRobot:
                 read=read,
                 tag_place=self.places.of,
                 tag_places=self.places.all,
+                heard=heard,
             )
         )
+        self.says = intent.say
         self._handle_tags(intent)
         self.decision = intent.decision
+        thinking_s = self._config.plan_cost_s * self.scout.explorer.goals.take_planned()
+        if thinking_s > 0.0:
+            self._wakes_s = clock_s + thinking_s
+            return
         if self.decision.activity == "done":
             self._wakes_s = clock_s + _REST_S
         self._move(self.decision, others_m)
