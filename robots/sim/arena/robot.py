@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import hypot
+from math import floor, hypot
 
 import numpy as np
 
@@ -164,6 +164,9 @@ class ArenaRobot:
         cells, origin, cell_m = self.map.cells, self.map.origin, self.map.resolution_m
         occupied, free = config.mapping.occupied_logodds, config.mapping.miss_logodds
         x, y = decision.goal_m
+        row, column = floor((y - origin[1]) / cell_m), floor((x - origin[0]) / cell_m)
+        if cells[row, column] > -free:  # a goal on ground that others told of: their word is not checked here
+            return False
         if not edge_is_left(cells, origin, cell_m, x, y, _EDGE_WITHIN_M, occupied, free):
             return True
         return not way_is_clear(
