@@ -80,7 +80,8 @@ class ArenaRobot:
         self.steps += 1
         pose = Pose2(self.pose.x - self.start.x, self.pose.y - self.start.y, self.pose.theta)
         scan = self._laser.scan(self.pose, others_m, self._radius_m, self.seen)
-        self.map.add_scan(pose, scan)
+        if not self.scout.explorer.local_map_m:
+            self.map.add_scan(pose, scan)
         if self._bumped and free_ahead(scan, self._radius_m) >= 0.25:
             ahead = pose @ Pose2(self._radius_m + _FELT_M, 0.0, 0.0)
             self.map.add_obstacle(ahead.x, ahead.y, _FELT_M)
@@ -138,9 +139,11 @@ class ArenaRobot:
         return max(0.0, 1.0 - (clock_s - self._began_s) / IDLE_LIFE_S - self.driven_m / DRIVE_LIFE_M)
 
     def _read(self, clock_s: float) -> tuple[TagSighting, ...]:
-        if self._config.sharing != "tags":
+        if not self._config.with_tags:
             return ()
         read = self._reader.sightings(self._before, self.pose, clock_s)
+        if self._config.sharing == "private":
+            read = tuple(sighting for sighting in read if sighting.tag_id.startswith(f"{self.robot_id}-"))
         for sighting in read:
             self.places.learn(sighting.tag_id)
             known = self._heard.get(sighting.tag_id)

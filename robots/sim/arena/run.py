@@ -42,7 +42,7 @@ class Arena:
             x, y = world.origin_m
             high = x + columns * world.resolution_m, y + rows * world.resolution_m
             shared = ScanMap(config.agent_of(scenario.robot_ids[0]).mapping, world.origin_m, high)
-        if config.sharing == "tags" and scenario.base_tag:
+        if config.with_tags and scenario.base_tag:
             self.field.drop(BASE_TAG, ground.starts[0].x, ground.starts[0].y)
         self.robots = [
             ArenaRobot(config, ground, self.field, index, shared) for index in range(scenario.robots)
