@@ -21,6 +21,7 @@ from robots.experiments.radio_course import (
     RadioCourse,
     RadioWorld,
     calibrated,
+    leave_map,
     measured,
     reckoned,
     run_slam,
@@ -113,9 +114,11 @@ def trial(item: Trial) -> Array:
     for number, course in enumerate(courses):
         seed = _seed(item.seed, item.index, item.run, number)
         told = measured(course, item.levels[number], np.random.default_rng(seed))
-        name, level = f"r{number + 1}", item.levels[number]
-        single = run_slam(name, course, told, level, radio, seed, {} if number else memories, False)
-        multi = run_slam(name, course, told, level, radio, seed, memories, True) if number else single
+        robot = f"r{number + 1}", course, told, item.levels[number], radio, seed
+        single = run_slam(*robot, {})
+        multi = run_slam(*robot, memories) if number else single
+        if number < len(courses) - 1:
+            leave_map(*robot, memories)
         for kind, places in enumerate((reckoned(course, told), single, multi)):
             off = np.hypot(*(places - course.poses[:, :2]).T)
             found[number, kind] = off.mean(), off.std()

@@ -36,6 +36,7 @@ class WriterMap:
     writer: str
     revision: int
     beliefs: tuple[TagBelief, ...]
+    frame: tuple[float, ...] = ()
 
 
 def merge_maps(first: tuple[WriterMap, ...], second: tuple[WriterMap, ...]) -> tuple[WriterMap, ...]:
