@@ -16,17 +16,9 @@ import numpy as np
 from robots.config import RadioConfig
 from robots.experiments.experiment import Column, Experiment, Options, Row
 from robots.experiments.parallel import in_parallel
-from robots.experiments.radio_course import (
-    Memories,
-    RadioCourse,
-    RadioWorld,
-    calibrated,
-    leave_map,
-    measured,
-    reckoned,
-    run_slam,
-)
+from robots.experiments.radio_course import RadioCourse, RadioWorld, calibrated, measured, reckoned
 from robots.experiments.sun_plot import draw
+from robots.experiments.sun_slam import Memories, leave_map, run_slam
 from robots.se2 import Array
 from robots.sim.generate import RESOLUTION_M, generate
 from robots.sim.world import world_of

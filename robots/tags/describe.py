@@ -24,6 +24,7 @@ def describe(memory: TagMemory) -> dict[str, Any]:
                 {"tag_id": b.tag_id, **{name: getattr(b, name) for name in _NUMBERS}} for b in each.beliefs
             ],
         }
+        | ({"frame": list(each.frame)} if each.frame else {})
         for each in memory.maps
     ]
     return {"window": rows, "maps": maps}
@@ -46,6 +47,7 @@ def understand(value: object) -> TagMemory:
                 tuple(
                     TagBelief(str(t["tag_id"]), *(float(t[name]) for name in _NUMBERS)) for t in each["tags"]
                 ),
+                tuple(float(number) for number in each.get("frame", ())),
             )
             for each in maps
         )

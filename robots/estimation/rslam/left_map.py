@@ -116,13 +116,13 @@ class Parted:
 def parted(places: Array, covariance: Array) -> Parted:
     """Part the covariance (2k, 2k) of places (k, 2) into that of a motion of all and what is left of each."""
     count = len(places)
-    rigid = np.zeros((count, 2, 3))
-    rigid[:, 0, 0] = rigid[:, 1, 1] = 1.0
-    rigid[:, 0, 2], rigid[:, 1, 2] = -places[:, 1], places[:, 0]
-    rigid = rigid.reshape(-1, 3)
+    by_node = np.zeros((count, 2, 3))
+    by_node[:, 0, 0] = by_node[:, 1, 1] = 1.0
+    by_node[:, 0, 2], by_node[:, 1, 2] = -places[:, 1], places[:, 0]
+    rigid = by_node.reshape(-1, 3)
     least = _LEAST_SD_M**2 * np.eye(2)
     own = [covariance[k : k + 2, k : k + 2] + least for k in range(0, 2 * count, 2)]
-    weighted = np.linalg.solve(np.array(own), rigid.reshape(count, 2, 3)).reshape(-1, 3).T
+    weighted = np.linalg.solve(np.array(own), by_node).reshape(-1, 3).T
     taken = np.linalg.pinv(weighted @ rigid, hermitian=True) @ weighted
     left = np.eye(2 * count) - rigid @ taken
     rest = left @ covariance @ left.T

@@ -34,9 +34,7 @@ class RangeSlam:
     ``leaves_map``: what it has by itself is kept apart from what others told, to be left in memories.
     """
 
-    def __init__(
-        self, robot_id: str, config: AgentConfig, start: Pose2, leaves_map: bool = True
-    ) -> None:
+    def __init__(self, robot_id: str, config: AgentConfig, start: Pose2, leaves_map: bool = True) -> None:
         own = config.rslam
         self._config = own
         self._particles = Particles(start, own.particles, (config.seed, crc32(robot_id.encode()), 3))

@@ -65,6 +65,7 @@ class SharedMaps:
         return True
 
     def _prior(self, other: WriterMap) -> Array | None:
+        """Return the information on how a map lies, (3, 3); None where nothing is known of that."""
         if not (self._config.starts_known and len(other.frame) == 6):
             return None
         spread = np.zeros((3, 3))
@@ -72,7 +73,7 @@ class SharedMaps:
         spread = spread + np.triu(spread, 1).T + np.eye(3) * _LEAST_FRAME
         if not (np.isfinite(spread).all() and np.linalg.eigvalsh(spread)[0] > 0.0):
             return None
-        return np.linalg.inv(spread)
+        return np.asarray(np.linalg.inv(spread), np.float64)
 
     @property
     def waiting(self) -> bool:
@@ -188,7 +189,9 @@ class SharedMaps:
         noise = particles.normal(3, count)
         start = found.frame if self._turn_sd_rad is None else found.frame * [1.0, 1.0, 0.0]
         if prior is None:
-            prior = np.diag([0.0, 0.0, 1.0 / _ANY_TURN if self._turn_sd_rad is None else self._turn_sd_rad**-2])
+            prior = np.diag(
+                [0.0, 0.0, 1.0 / _ANY_TURN if self._turn_sd_rad is None else self._turn_sd_rad**-2]
+            )
         align(blocks, scales, agreed.places, agreed.spreads, start, prior, noise, frames, evidence)
         if any(each == writer for each, _ in self._taken):  # later maps of it say the same once more
             evidence[:] = 0.0
