@@ -11,22 +11,14 @@ from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from math import isfinite
-from zlib import crc32
-
-import numpy as np
 
 from robots.config import AgentConfig
 from robots.estimation.slam import Slam, begin_slam
 from robots.estimation.slip.detector import SlipDetector
-from robots.exploration.explorer import Decision, Explorer
+from robots.exploration.scout import Scout, Situation
 from robots.mapping.map_keeper import MapKeeper
-from robots.planning.plan_grid import plan_grid
 from robots.snapshot import freeze, thaw
-from robots.tags.deployment import TagDropper
-from robots.tags.map_memory import MAX_BELIEFS, WriterMap
-from robots.tags.memory import TagMemory, TagMemoryError, observed_memory
-from robots.tags.sealed import close_memory, open_memory
-from robots.types import AgentUpdate, Command, Observation, RobotSighting, TagSighting, TagWrite
+from robots.types import AgentUpdate, Command, Observation, RobotSighting, TagSighting
 from robots.victims import VictimTracker
 
 
@@ -46,15 +38,12 @@ class RobotAgent:
     def __init__(self, robot_id: str, config: AgentConfig) -> None:
         self.robot_id = robot_id
         self.config = config
-        own = crc32(robot_id.encode())  # robots told the same seed must not draw alike
-        self._explorer = Explorer(config, (config.seed, own, 1))
-        self._dropper = TagDropper(config.deployment, config.mapping, (config.seed, own, 2))
+        self._scout = Scout(robot_id, config)
         self._victims = VictimTracker(robot_id, config.victims)
         self._slip = SlipDetector(config.odometry.slip) if config.odometry.slip != "off" else None
         self._maps = MapKeeper(config.mapping)
         self._slam: Slam | None = None
         self._last: Observation | None = None
-        self._decision = Decision(0.0, 0.0, "starting", "waiting for the first scan")
         self._update: AgentUpdate | None = None
 
     def step(self, observation: Observation) -> AgentUpdate:
@@ -75,7 +64,7 @@ class RobotAgent:
             self._maps.add_scan(slam.local_from_base, observation.scan)
         passage = slam.pass_tags(observation)  # (5)
         if passage.moved:
-            self._explorer.replan()
+            self._scout.replan()
         if passage.anchored:
             self._maps.anchored(slam.anchor, slam.anchors[-1], slam.local_from_base, slam.distance_m)
         pose = slam.pose
@@ -83,27 +72,16 @@ class RobotAgent:
             self._victims.see(reading, observation.stamp_s, pose, slam.anchor, slam.anchors)
             for reading in observation.heat
         ]
-        drop = False
-        if observation.scan is not None:
-            if self._explorer.plan_is_due(observation.stamp_s):
-                self._maps.draw(slam.anchors)
-            self._decision = self._decide(observation, slam)
-            drop = self._drop(observation, slam)
-        for sighting in passage.read:
-            self._hear(sighting)
-        writes = tuple(self._writes(sighting, slam) for sighting in passage.read)
-        command = Command(
-            self._decision.linear_mps,
-            self._decision.angular_radps,
-            drop,
-            tuple(w for w in writes if w is not None),
-        )
+        intent = self._scout.step(self._situation(observation, slam, passage.read))
+        decision = intent.decision
+        command = Command(decision.linear_mps, decision.angular_radps, intent.drop, intent.writes, intent.say)
         self._last = observation
         self._update = self._report(observation, slam, command, slipping, passage.changed)
-        return replace(self._update, victims=tuple(v for v in victims if v is not None))
+        doubts = (*self._update.doubts, *intent.doubts)
+        return replace(self._update, victims=tuple(v for v in victims if v is not None), doubts=doubts)
 
     def report(self) -> AgentUpdate:
-        """Return the latest update with the whole graph, all submaps and all victims.
+        """Return the latest update with the whole graph, all submaps, victims and frontiers.
 
         Raises:
             ObservationError: nothing has been observed yet.
@@ -115,6 +93,7 @@ class RobotAgent:
             graph=self._slam.report(),
             submaps=self._maps.all_reports(),
             victims=self._victims.victims(),
+            frontiers=self._scout.frontiers,
         )
 
     def smoothed(self) -> AgentUpdate:
@@ -187,75 +166,40 @@ class RobotAgent:
         in_force = Command() if observation.held else told
         return self._slip.observe(observation.stamp_s, observation.odometry, observation.imu, in_force)
 
-    def _decide(self, observation: Observation, slam: Slam) -> Decision:
-        if observation.bumper and self._decision.linear_mps > 0.0:
-            self._maps.add_obstacle(slam.local_from_base, self.config.body.radius_m, observation.scan)
-        return self._explorer.decide(
-            observation.stamp_s,
-            slam.pose,
-            self._maps.fused,
-            observation.scan,
-            observation.bumper,
-            observation.held,
-            partial(_place, slam),
+    def _situation(self, observation: Observation, slam: Slam, read: tuple[TagSighting, ...]) -> Situation:
+        """Bring the map up to date where the scout needs it, and say how things stand."""
+        if observation.scan is not None:
+            if self._scout.plan_is_due(observation.stamp_s):
+                self._maps.draw(slam.anchors)
+            if observation.bumper and self._scout.decision.linear_mps > 0.0:
+                self._maps.add_obstacle(slam.local_from_base, self.config.body.radius_m, observation.scan)
+        last = self._last
+        return Situation(
+            stamp_s=observation.stamp_s,
+            pose=slam.pose,
+            fused=self._maps.fused,
+            distance_m=slam.distance_m,
+            seq=None if last is None else last.seq,
+            north=last is not None and last.imu is not None,
+            scan=observation.scan,
+            bumper=observation.bumper,
+            held=observation.held,
+            battery=observation.battery,
+            tags_left=observation.tags_left,
+            orders=observation.orders,
+            suspects=self._victims.suspects(slam.anchors),
+            read=read,
+            heard=observation.heard,
+            tag_place=partial(_place, slam),
+            tag_places=slam.tag_places,
+            own_map=slam.own_map,
         )
-
-    def _drop(self, observation: Observation, slam: Slam) -> bool:
-        self._dropper.magazine(observation.tags_left)
-        if observation.held:
-            return False
-        return self._dropper.should_drop(slam.distance_m, slam.pose, self._maps.fused, slam.tag_places())
-
-    def _hear(self, sighting: TagSighting) -> None:
-        """Believe what a tag of the mission says of the ground round it; its frame needs a compass."""
-        if self._last is None or self._last.imu is None:
-            return
-        try:
-            says = open_memory(sighting.memory, sighting.tag_id, self.config.tag_memory.key_bytes)
-        except TagMemoryError:
-            return
-        if says.trusted:
-            self._explorer.claims.hear(sighting.tag_id, says.memory)
-
-    def _writes(self, sighting: TagSighting, slam: Slam) -> TagWrite | None:
-        """Leave in the tag what is known round it, and where the others are, merged with what it said."""
-        tag_id, told = sighting.tag_id, self.config.tag_memory
-        try:
-            says = open_memory(sighting.memory, tag_id, told.key_bytes)
-        except TagMemoryError:
-            return None
-        if not says.trusted:
-            return None  # a stranger's memory is left as it is
-        mine = TagMemory(self._coverage(tag_id, slam).cells, self._map_to_leave(slam))
-        memory = says.memory.merge(mine).fit(told.room_bytes)
-        if memory == says.memory:
-            return None
-        record = close_memory(memory, says.next_revision, tag_id, told.key_bytes, told.room_bytes)
-        return TagWrite(tag_id, record)
-
-    def _coverage(self, tag_id: str, slam: Slam) -> TagMemory:
-        """Return what is known of the ground round a tag; its frame needs a compass."""
-        if self._last is None or self._last.imu is None:
-            return TagMemory.empty()
-        try:
-            x, y = slam.tag_place(tag_id)
-        except KeyError:
-            return TagMemory.empty()
-        config = self.config
-        grid = plan_grid(self._maps.fused, config.body, config.planning, config.mapping, np.zeros((0, 3)))
-        return observed_memory(grid, x, y)
-
-    def _map_to_leave(self, slam: Slam) -> tuple[WriterMap, ...]:
-        if not self.config.map_memory or self._last is None:
-            return ()
-        beliefs = slam.own_map()[:MAX_BELIEFS]
-        return (WriterMap(self.robot_id, self._last.seq, beliefs),) if beliefs else ()
 
     def _report(
         self, observation: Observation, slam: Slam, command: Command, slipping: bool, changed: bool
     ) -> AgentUpdate:
         here = slam.belief
-        decision = self._decision
+        decision = self._scout.decision
         return AgentUpdate(
             seq=observation.seq,
             stamp_s=observation.stamp_s,
@@ -267,8 +211,8 @@ class RobotAgent:
             command=command,
             activity=decision.activity,
             reason=decision.reason,
-            tags_left=self._dropper.left,
-            explored_m2=self._explorer.explored_m2,
+            tags_left=self._scout.tags_left,
+            explored_m2=self._scout.explored_m2,
             distance_m=slam.distance_m,
             goal_m=decision.goal_m,
             path_m=decision.path_m,
@@ -276,6 +220,9 @@ class RobotAgent:
             graph=slam.report() if changed or self._update is None else None,
             submaps=self._maps.take_reports(observation.stamp_s),
             doubts=slam.take_doubts(),
+            frontiers=self._scout.take_frontiers(observation.stamp_s),
+            orders=self._scout.explorer.order_reports(),
+            methods=self._scout.explorer.methods,
         )
 
 
@@ -292,6 +239,8 @@ def merge_commands(updates: Sequence[AgentUpdate]) -> Command:
 
 
 def merged_command(commands: Sequence[Command]) -> Command:
-    """Return the last velocities, every write, and a tag to drop if any command asked for one."""
+    """Return the last velocities and message, every write, and a tag to drop if any asked for one."""
     writes = tuple(write for command in commands for write in command.writes)
-    return replace(commands[-1], drop_tag=any(command.drop_tag for command in commands), writes=writes)
+    say = next((command.say for command in reversed(commands) if command.say is not None), None)
+    drop = any(command.drop_tag for command in commands)
+    return replace(commands[-1], drop_tag=drop, writes=writes, say=say)

@@ -10,13 +10,16 @@ from robots.config import ConfigError
 
 C = TypeVar("C")
 
-_SIGNED = frozenset({"ahead_m", "front_ahead_m", "power_at_1m_dbm", "rear_ahead_m"})  # others are 0 or more
+# others are 0 or more
+_SIGNED = frozenset({"ahead_m", "front_ahead_m", "power_at_1m_dbm", "rear_ahead_m", "start"})
 _POSITIVE = frozenset(
     {
         "along_m",
         "anchor_travel_m",
         "anchor_turn_rad",
         "across_m",
+        "alpha",
+        "base_reach_m",
         "bearing_sd_rad",
         "cell_m",
         "gate_sd",
@@ -26,6 +29,7 @@ _POSITIVE = frozenset(
         "max_range_m",
         "max_speed_mps",
         "max_turn_radps",
+        "obstacle_sd_m",
         "offset_sd_m",
         "outlier_reach_m",
         "outlier_share",
@@ -39,9 +43,11 @@ _POSITIVE = frozenset(
         "reach_m",
         "readings",
         "resolution_m",
+        "safe_m",
         "scale_sd",
         "spacing_m",
         "tag_kernel_sd",
+        "tau_m",
         "track_width_m",
         "window_m",
         "window_rad",

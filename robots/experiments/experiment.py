@@ -23,14 +23,15 @@ class Options:
     """How an experiment is to be made.
 
     ``runs`` repetitions, each drawing from (``seed``, its number) alone; ``jobs`` processes at once, which
-    change nothing in the rows; ``data`` the folder with recordings; ``progress`` is told steps done and to
-    do.
+    change nothing in the rows; ``data`` the folder with recordings; ``maps`` are map_server YAML files or
+    office:AREA, in place of the experiment's own; ``progress`` is told steps done and to do.
     """
 
     runs: int
     seed: int = 0
     jobs: int = 1
     data: Path | None = None
+    maps: tuple[str, ...] = ()
     progress: Callable[[int, int], None] = _ignore
 
 
@@ -50,7 +51,7 @@ class Experiment:
 
     ``paper`` says where it is printed; ``notes`` stand under the table and say what the columns compare.
     ``run`` raises ExperimentError where something is missing; ``plot`` draws its rows to a file whose suffix
-    names the format.
+    names the format. ``takes_maps``: it can be made on other maps.
     """
 
     name: str
@@ -61,6 +62,7 @@ class Experiment:
     plot: Callable[[list[Row], Path], None]
     columns: tuple[Column, ...]
     notes: tuple[str, ...] = ()
+    takes_maps: bool = False
 
 
 def finite(row: Row, name: str) -> float:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from robots.experiments import (
     consistency,
     kleiner_cellar,
+    kleiner_exploration,
     kleiner_slam,
     kleiner_time,
     slip,
@@ -20,6 +21,7 @@ _ALL: tuple[Experiment, ...] = (
     kleiner_slam.ON_PLANS,
     kleiner_time.EXPERIMENT,
     kleiner_cellar.EXPERIMENT,
+    kleiner_exploration.EXPERIMENT,
     slip.EXPERIMENT,
     sun_radio.EXPERIMENT,
     sun_table1.EXPERIMENT,

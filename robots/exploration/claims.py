@@ -10,6 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from robots.planning.plan_grid import UNKNOWN, PlanGrid
@@ -21,29 +22,46 @@ _PER_CELL = round(CELL_M / LATTICE_M)
 PlaceOf = Callable[[str], tuple[float, float] | None]  # of a tag in the map frame, None where unknown
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class KnownTag:
+    """A tag of the mission that was read: where it is believed, what it said, when it was read last."""
+
+    tag_id: str
+    place_m: tuple[float, float]
+    memory: TagMemory
+    read_s: float
+
+
 class Claims:
     """The memories read so far, by tag."""
 
     def __init__(self) -> None:
         self._memories: dict[str, TagMemory] = {}
+        self._read_s: dict[str, float] = {}
 
-    def hear(self, tag_id: str, memory: TagMemory) -> None:
+    def hear(self, tag_id: str, memory: TagMemory, now_s: float = 0.0) -> None:
         """Take in what a tag of the mission says."""
         known = self._memories.get(tag_id, TagMemory.empty())
-        self._memories[tag_id] = known.merge(TagMemory(memory.cells))
+        self._memories[tag_id] = known.merge(memory.uncut())
+        self._read_s[tag_id] = now_s
+
+    def tags(self, place_of: PlaceOf) -> tuple[KnownTag, ...]:
+        """Return the tags that were read and have a place, by id."""
+        places = ((tag_id, place_of(tag_id)) for tag_id in sorted(self._memories))
+        return tuple(
+            KnownTag(tag_id, place, self._memories[tag_id], self._read_s[tag_id])
+            for tag_id, place in places
+            if place is not None
+        )
 
     def survey(self, grid: PlanGrid, place_of: PlaceOf) -> Survey:
         """Return what is unknown, here and to all whose word was read, as the tags lie now."""
-        share = max(1, round(LATTICE_M / grid.cell_m))
-        rows, columns = (-(-side // share) for side in grid.cells.shape)
-        unknown = np.ones((rows * share, columns * share))
-        unknown[: grid.cells.shape[0], : grid.cells.shape[1]] = grid.cells == UNKNOWN
-        unknown = unknown.reshape(rows, share, columns, share).mean(axis=(1, 3))
-        claimed = np.zeros((rows, columns), np.uint8)
+        unknown = _unknown_shares(grid.cells, grid.cell_m, LATTICE_M)
+        claimed = np.zeros(unknown.shape, np.uint8)
         for tag_id in sorted(self._memories):
             place = place_of(tag_id)
             if place is not None:
-                _draw(claimed, self._memories[tag_id].cells, place, grid.origin)
+                _draw(claimed, self._memories[tag_id], place, grid.origin)
         return Survey(unknown, claimed, grid.origin)
 
 
@@ -77,17 +95,45 @@ class Survey:
         return found.astype(np.int64)
 
 
+@njit(cache=True)
+def _unknown_shares(cells: NDArray[np.uint8], cell_m: float, lattice_m: float) -> Array:
+    """Return how much of each cell of the lattice is unknown; what lies beyond the grid is."""
+    rows, columns = cells.shape
+    high = int(np.ceil(rows * cell_m / lattice_m - 1e-6))
+    wide = int(np.ceil(columns * cell_m / lattice_m - 1e-6))
+    known = np.zeros((high, wide))
+    for r in range(rows):
+        for c in range(columns):
+            if cells[r, c] != UNKNOWN:
+                known[int((r + 0.5) * cell_m / lattice_m), int((c + 0.5) * cell_m / lattice_m)] += 1.0
+    shares = np.empty((high, wide))
+    for k in range(high):
+        tall = _centres_in(k, cell_m, lattice_m)
+        for m in range(wide):
+            total = tall * _centres_in(m, cell_m, lattice_m)
+            shares[k, m] = (total - known[k, m]) / total if total > 0 else 1.0
+    return shares
+
+
+@njit(cache=True)
+def _centres_in(k: int, cell_m: float, lattice_m: float) -> int:
+    """Return how many cells in a row have their centres in cell ``k`` of the lattice."""
+    first = int(np.ceil(k * lattice_m / cell_m - 0.5 - 1e-9))
+    return int(np.ceil((k + 1) * lattice_m / cell_m - 0.5 - 1e-9)) - first
+
+
 def _draw(
     claimed: NDArray[np.uint8],
-    cells: NDArray[np.uint8],
+    memory: TagMemory,
     place: tuple[float, float],
     origin: tuple[float, float],
 ) -> None:
-    """Draw a tag's window; rows of ``cells`` go along x, columns along y."""
-    half = len(cells) / 2.0 * CELL_M
-    fine = np.repeat(np.repeat(cells.T, _PER_CELL, axis=0), _PER_CELL, axis=1)  # rows along y
-    row = round((place[1] - half - origin[1]) / LATTICE_M)
-    column = round((place[0] - half - origin[0]) / LATTICE_M)
+    """Draw a tag's window; rows of its cells go along x, columns along y."""
+    half = memory.side / 2.0 * CELL_M
+    fine = np.repeat(np.repeat(memory.cells.T, _PER_CELL, axis=0), _PER_CELL, axis=1)  # rows along y
+    north, west = memory.shift_m
+    row = round((place[1] + west - half - origin[1]) / LATTICE_M)
+    column = round((place[0] + north - half - origin[0]) / LATTICE_M)
     rows, columns = claimed.shape
     top, left = max(row, 0), max(column, 0)
     bottom, right = min(row + len(fine), rows), min(column + len(fine), columns)

@@ -2,27 +2,53 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Protocol
+from dataclasses import dataclass, field, replace
+from typing import Protocol, runtime_checkable
 
 import numpy as np
+from numpy.typing import NDArray
 
-from robots.exploration.claims import Survey
+from robots.config import PlanningConfig
+from robots.exploration.claims import KnownTag, Survey
 from robots.exploration.frontiers import Frontier
+from robots.planning.plan_grid import PlanGrid
 from robots.se2 import Array, Pose2
+from robots.tags.memory import TagMemory
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class ExplorationView:
     """What a strategy may use, in the map frame.
 
     The robot's pose, its reachable frontiers, nearest first, and what is unknown, to it and to those whose
-    word it has read in tags.
+    word it has read in tags. ``grid`` and ``costs`` int32 (h, w): the plan grid, and what driving to each of
+    its cells costs in fifths of a cell (UNREACHED where it cannot). ``trail`` (k, 4): x, y, heading, stamp of
+    where it was, oldest first; ``path_m`` (n, 2): the rest of its way to its last goal; ``tags``: all that it
+    read, ``base_m`` where reports go; ``battery`` 1 full, 0 empty.
     """
 
     pose: Pose2
     frontiers: tuple[Frontier, ...]
     survey: Survey
+    now_s: float = 0.0
+    grid: PlanGrid | None = None
+    costs: NDArray[np.int32] | None = None
+    trail: Array = field(default_factory=lambda: np.zeros((0, 4)))
+    path_m: Array = field(default_factory=lambda: np.zeros((0, 2)))
+    tags: tuple[KnownTag, ...] = ()
+    base_m: tuple[float, float] = (0.0, 0.0)
+    battery: float = 1.0
+    settings: PlanningConfig = field(default_factory=PlanningConfig)
+
+    def with_ways(self, ways_m: Array) -> ExplorationView:
+        """Return the view in which the ways to the frontiers, (n,), cost so many metres.
+
+        So a strategy can be asked with straight lines for ways, or for a teammate somewhere else.
+        """
+        frontiers = tuple(
+            replace(frontier, cost_m=float(way)) for frontier, way in zip(self.frontiers, ways_m, strict=True)
+        )
+        return replace(self, frontiers=frontiers)
 
 
 class Strategy(Protocol):
@@ -35,6 +61,39 @@ class Strategy(Protocol):
     def reason(self, view: ExplorationView, index: int) -> str:
         """Return why a frontier is chosen, in words an operator understands, after "driving 3 m to"."""
         ...
+
+
+@runtime_checkable
+class OwnCandidates(Protocol):
+    """A strategy that looks for places of its own, beside or in place of the frontiers."""
+
+    def candidates(self, view: ExplorationView) -> tuple[Frontier, ...]:
+        """Return the places to weigh; where there are none, the nearest frontier is gone to."""
+        ...
+
+
+@runtime_checkable
+class KeepsGoals(Protocol):
+    """A strategy that decides anew when the robot has come to where it was sent, not on the way."""
+
+    keeps_goals: bool
+
+
+@runtime_checkable
+class AnswersTags(Protocol):
+    """A strategy with rules of its own for what a tag holds after it was read."""
+
+    def answer(self, memory: TagMemory, view: ExplorationView, tag_m: tuple[float, float]) -> TagMemory:
+        """Return what a tag at a place in the map frame is to hold, given what it said."""
+        ...
+
+
+@runtime_checkable
+class PlansLocally(Protocol):
+    """A strategy made for a small map round the robot and even tags, with ways by eq. (6) of Ziparo 2007."""
+
+    local_map_m: float
+    tag_every_m: float
 
 
 def goals_of(view: ExplorationView) -> Array:

@@ -10,7 +10,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from robots.se2 import Pose2
+from robots.mapping.changes import Changes
+from robots.se2 import Array, Pose2
 
 _MARGIN_CELLS = 80
 
@@ -33,6 +34,7 @@ class FusedGrid:
     def __init__(self, resolution_m: float) -> None:
         self.resolution_m = resolution_m
         self.cells: NDArray[np.int32] = np.zeros((0, 0), np.int32)
+        self.changes = Changes()  # of the cells, while their shape and origin stay
         self._row0 = 0
         self._column0 = 0
         self._drawn: dict[Hashable, _Drawn] = {}
@@ -55,6 +57,25 @@ class FusedGrid:
         cut = self.cells[row : int(rows[-1]) + 1, column : int(columns[-1]) + 1]
         r = self.resolution_m
         return cut, ((self._column0 + column) * r, (self._row0 + row) * r)
+
+    def covering(self, low_m: Array, high_m: Array, factor: int) -> FusedGrid:
+        """Return a copy that reaches over a box with corners (x, y) too.
+
+        It is larger by multiples of ``factor`` cells, so that squares of so many stay what they are.
+        """
+        r, (h, w) = self.resolution_m, self.cells.shape
+        below, left = (
+            -(-max(0, ceil((o - v) / r)) // factor) * factor
+            for o, v in zip(self.origin[::-1], low_m[::-1], strict=True)
+        )
+        above, right = (
+            -(-max(0, ceil((v - o) / r) - n) // factor) * factor
+            for v, o, n in zip(high_m[::-1], self.origin[::-1], (h, w), strict=True)
+        )
+        copy = FusedGrid(r)
+        copy.cells = np.pad(self.cells, ((below, above), (left, right)))
+        copy._row0, copy._column0 = self._row0 - below, self._column0 - left
+        return copy
 
     def put(
         self,
@@ -111,6 +132,7 @@ class FusedGrid:
         row, column = drawn.row - self._row0, drawn.column - self._column0
         h, w = drawn.cells.shape
         self.cells[row : row + h, column : column + w] += sign * drawn.cells
+        self.changes.note(row, column, row + h, column + w)
 
     def _cover(self, drawn: _Drawn) -> None:
         h, w = self.cells.shape

@@ -12,7 +12,8 @@ from robots.se2 import Pose2
 from robots.types import LaserScan, SubmapReport
 
 _NEW_SUBMAP_M = 2.5  # anchors nearer than so much driving share a submap
-_FELT_RADIUS_M = 0.08
+FELT_RADIUS_M = 0.08
+SEEN_AHEAD_M = 0.25  # what the laser sees so near need not be felt
 
 
 class MapKeeper:
@@ -55,10 +56,10 @@ class MapKeeper:
 
         Glass, or bricks below its plane.
         """
-        if scan is not None and free_ahead(scan, radius_m) < 0.25:
+        if scan is not None and free_ahead(scan, radius_m) < SEEN_AHEAD_M:
             return
-        point = local_from_base @ Pose2(radius_m + _FELT_RADIUS_M, 0.0, 0.0)
-        self._submaps[-1].add_obstacle(self._local_from_anchor.between(point), _FELT_RADIUS_M)
+        point = local_from_base @ Pose2(radius_m + FELT_RADIUS_M, 0.0, 0.0)
+        self._submaps[-1].add_obstacle(self._local_from_anchor.between(point), FELT_RADIUS_M)
 
     def draw(self, poses: list[Pose2]) -> None:
         """Draw the submaps where the graph now has their anchors.

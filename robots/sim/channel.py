@@ -50,7 +50,7 @@ def _standard_normal(key: np.uint64, column: int, row: int) -> float:
 
 
 @njit(cache=True)
-def _walls(cells: Cells, column0: float, row0: float, column1: float, row1: float, most: int) -> int:
+def count_walls(cells: Cells, column0: float, row0: float, column1: float, row1: float, most: int) -> int:
     """Return how often the line between two points, in cells, enters a wall; stop counting at ``most``."""
     rows, columns = cells.shape
     length = hypot(column1 - column0, row1 - row0)
@@ -129,7 +129,7 @@ def _signals(
             if signal < weakest:
                 continue
             most = 1 if wall_db == inf else int(min((signal - weakest) / wall_db, 1e6)) + 1
-            walls = _walls(
+            walls = count_walls(
                 cells,
                 (x - origin[0]) / resolution,
                 (y - origin[1]) / resolution,

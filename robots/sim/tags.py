@@ -79,6 +79,10 @@ class TagField:
         """Return the tag of this index."""
         return self._tags[index]
 
+    def named(self, tag_id: str) -> Tag:
+        """Return the first tag that bears an id. Raises KeyError."""
+        return self._tags[self._indices[tag_id][0]]
+
     def sighting(self, index: int) -> TagSighting:
         """Return what a reader gets from the tag of this index: its id and memory."""
         tag = self._tags[index]

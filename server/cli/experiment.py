@@ -33,6 +33,10 @@ def experiment(
     data: Annotated[Path, typer.Option(metavar="DIR", help="Folder with recordings.")] = Path(
         "../shared/data"
     ),
+    maps: Annotated[
+        list[str] | None,
+        typer.Option("--map", metavar="FILE.yaml|office:AREA", help="In place of its own; may be repeated."),
+    ] = None,
 ) -> None:
     """Measure what a paper prints, mean and deviation over runs, and print ours beside it."""
     from robots.experiments.experiment import ExperimentError, Options
@@ -49,6 +53,8 @@ def experiment(
     _check("--runs", runs, 1, _MOST_RUNS)
     _check("--seed", seed, 0, 2**63 - 1)
     _check("--jobs", jobs, 1, _MOST_JOBS)
+    if maps and not chosen.takes_maps:
+        raise CommandError(f"{name} is made on maps of its own; leave --map out")
     to_stdout = json is not None and str(json) == "-"
     try:
         if plot is not None:
@@ -61,7 +67,7 @@ def experiment(
             def show(done: int, total: int) -> None:
                 display.update(task, completed=done, total=total)
 
-            rows = chosen.run(Options(runs, seed, jobs, data, show))
+            rows = chosen.run(Options(runs, seed, jobs, data, tuple(maps or ()), show))
         if json is not None:
             _write_json(json, rows, to_stdout)
         if plot is not None:

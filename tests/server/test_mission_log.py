@@ -93,6 +93,9 @@ def test_a_log_posted_to_another_mission_control_becomes_the_same_log(ended, con
     told, told_again = json.loads(ours[1]), json.loads(theirs[1])
     for name in ("robot_id", "start_pose", "config", "observations"):
         assert told[name] == told_again[name]
+    # the tags in it bear the first mission's seal: under another the server would take them for a stranger's
+    [(key,)] = control.sql("SELECT tag_key FROM missions WHERE mission_id = 'school-again'")
+    assert key == told["config"]["tag_memory"]["key"]
 
 
 def test_what_cannot_be_exported_ends_in_one_sentence(ended, control, tmp_path, capsys):

@@ -1,5 +1,7 @@
 """What tags say of the ground is drawn where they lie, and counts where nothing is known."""
 
+from math import ceil
+
 import numpy as np
 import pytest
 
@@ -89,3 +91,20 @@ def test_shares_add_up_to_what_is_unknown(point):
     around = [(r, c) for r in range(row - 6, row + 7) for c in range(column - 6, column + 7)]
     unknown = [survey.unknown[r, c] if 0 <= r < 40 and 0 <= c < 40 else 1.0 for r, c in around]
     assert untold[0] + claimed[0] == pytest.approx(np.mean(unknown))
+
+
+@pytest.mark.parametrize("cell_m", [0.1, 0.2, 0.25])
+def test_the_unknown_share_is_that_of_the_plan_cells_whose_centres_lie_there(cell_m):
+    rng = np.random.default_rng(1)
+    cells = rng.choice([UNKNOWN, FREE], (37, 52)).astype(np.uint8)
+    grid = PlanGrid(cells, np.zeros_like(cells), ORIGIN, cell_m)
+    unknown = Claims().survey(grid, lambda _: None).unknown
+    assert unknown.shape == (ceil(37 * cell_m / LATTICE_M - 1e-6), ceil(52 * cell_m / LATTICE_M - 1e-6))
+    n = 200  # beyond the grid all is unknown
+    beyond = np.full((n, n), UNKNOWN, np.uint8)
+    beyond[:37, :52] = cells
+    at = ((np.arange(n) + 0.5) * cell_m / LATTICE_M).astype(int)
+    for r in range(unknown.shape[0]):
+        for c in range(unknown.shape[1]):
+            block = beyond[np.ix_(at == r, at == c)]
+            assert unknown[r, c] == pytest.approx((block == UNKNOWN).mean())

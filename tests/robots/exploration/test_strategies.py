@@ -59,6 +59,12 @@ def test_own_eyes_overrule_what_tags_say():
     np.testing.assert_allclose(Waymark().worths(told), Waymark().worths(seen))
 
 
+def test_a_view_can_be_asked_as_if_the_ways_were_others():
+    shorter = view().with_ways(np.array([5.0, 1.0]))
+    assert best(Nearest(), shorter).goal_m == FAR.goal_m
+    assert [frontier.cost_m for frontier in shorter.frontiers] == [5.0, 1.0]
+
+
 @pytest.mark.parametrize("name", STRATEGIES)
 def test_every_strategy_weighs_all_it_sees_and_says_why(name):
     strategy = STRATEGIES[name]()

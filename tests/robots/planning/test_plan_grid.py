@@ -8,7 +8,7 @@ from scipy.spatial import cKDTree
 
 from robots.config import BodyConfig, MappingConfig, PlanningConfig
 from robots.mapping.fused import FusedGrid
-from robots.planning.plan_grid import FREE, OCCUPIED, UNKNOWN, PlanGrid, plan_grid
+from robots.planning.plan_grid import FREE, OCCUPIED, UNKNOWN, PlanGrid, PlanGrids, plan_grid
 from robots.se2 import Pose2
 
 BODY, PLANNING, MAPPING = BodyConfig(), PlanningConfig(), MappingConfig()
@@ -142,3 +142,23 @@ def test_a_doorway_is_passable_when_it_is_wide_enough():
         middle = Pose2(0.0, 0.0, pi / 7).transform_point(2.025, 2.025)
         passable[gap_cells] = bool(grid.steps[grid.cell_of(*middle)] > 0)
     assert passable == {8: False, 20: True}
+
+
+@pytest.mark.parametrize(("seed", "cell_m"), [(0, 0.1), (1, 0.1), (2, 0.15), (3, 0.2)])
+def test_following_a_map_comes_to_the_same_as_making_the_grid_anew(seed, cell_m):
+    rng = np.random.default_rng(seed)
+    planning = PlanningConfig(cell_m=cell_m)
+    grids = PlanGrids(BODY, planning, MAPPING)
+    fused = fused_of(random_map(rng, 20))
+    for turn in range(12):
+        for patch in range(int(rng.integers(0, 3))):
+            cells = rng.choice([-20, 0, 10], (int(rng.integers(1, 40)), int(rng.integers(1, 40))))
+            x, y = rng.uniform(-0.5, 9.0, 2)
+            key = f"patch {int(rng.integers(0, 5))}"
+            fused.put(key, 10 * turn + patch, Pose2(x + 1.0, y - 2.0), cells.astype(np.int16))
+        if turn == 8:
+            fused.drop("patch 1")
+        followed, anew = grids.of(fused, NOWHERE), plan_grid(fused, BODY, planning, MAPPING, NOWHERE)
+        assert followed.origin == anew.origin
+        assert np.array_equal(followed.cells, anew.cells)
+        assert np.array_equal(followed.steps, anew.steps)

@@ -1,0 +1,76 @@
+"""The scout by itself: stepped by somebody who knows the pose and the map."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from robots.config import AgentConfig, DeploymentConfig, PlanningConfig, TagMemoryConfig
+from robots.exploration.scout import Scout, Situation
+from robots.mapping.map_keeper import MapKeeper
+from robots.se2 import Pose2
+from robots.tags.memory import CLOSED, TagMemory
+from robots.tags.sealed import close_memory, open_memory
+from robots.types import LaserScan, TagSighting
+
+CONFIG = AgentConfig(
+    tag_memory=TagMemoryConfig(key="a1"), deployment=DeploymentConfig(rate_per_m=1e6), poses="truth"
+)
+KEY = CONFIG.tag_memory.key_bytes
+HERE = {"T": (0.5, 0.0)}
+
+
+def situation(scan=True, **more):
+    """Stand in the middle of a corridor along x, 2 m wide and open at both ends."""
+    angles = np.linspace(-np.pi, np.pi, 361)
+    ranges = np.minimum(1.0 / np.maximum(np.abs(np.sin(angles)), 1e-3), 4.0).astype(np.float32)
+    view = LaserScan(ranges, -np.pi, float(angles[1] - angles[0]), 4.0)
+    maps = MapKeeper(CONFIG.mapping)
+    maps.begin(0, Pose2(), Pose2(), 0.0)
+    maps.add_free(Pose2(), CONFIG.body.radius_m)
+    for _ in range(3):
+        maps.add_scan(Pose2(), view)
+    maps.draw([Pose2()])
+    given = {"stamp_s": 1.0, "pose": Pose2(), "fused": maps.fused, "distance_m": 1.0, "tag_place": HERE.get}
+    return Situation(scan=view if scan else None, **(given | more))
+
+
+def test_it_drives_to_the_edge_of_the_unknown_and_drops_tags():
+    intent = Scout("r1", CONFIG).step(situation())
+    assert intent.decision.activity == "exploring"
+    assert abs(intent.decision.path_m[-1, 0]) > 2.5
+    assert intent.drop
+    assert not Scout("r1", CONFIG).step(situation(held=True)).drop
+    assert not Scout("r1", CONFIG).step(situation(tags_left=0)).drop
+
+
+def test_without_a_scan_it_stays_with_its_decision_but_answers_tags():
+    scout = Scout("r1", CONFIG)
+    decided = scout.step(situation()).decision
+    intent = scout.step(situation(scan=False, read=(TagSighting("T"),)))
+    assert intent.decision is decided
+    assert not intent.drop
+    (write,) = intent.writes
+    assert (open_memory(write.memory, "T", KEY).memory.cells == CLOSED).any()
+
+
+def test_strangers_are_not_believed_nor_overwritten_and_without_north_nothing_is_told_of_the_ground():
+    cells = np.full((3, 3), CLOSED, np.uint8)
+
+    def sighting(key):
+        return TagSighting("T", close_memory(TagMemory(cells), 1, "T", key, 196))
+
+    for key, north, told in ((KEY, True, True), (KEY, False, False), (b"stranger", True, False)):
+        scout = Scout("r1", CONFIG)
+        intent = scout.step(situation(read=(sighting(key),), north=north))
+        grid = scout.explorer._grid
+        assert bool((scout.explorer.claims.survey(grid, HERE.get).claimed == CLOSED).any()) == told
+        assert bool(intent.writes) == told
+
+
+def test_with_a_small_map_it_goes_to_the_edge_of_that_and_forgets_the_rest():
+    planning = PlanningConfig(local_map_m=4.0)
+    scout = Scout("r1", replace(CONFIG, planning=planning))
+    for second in range(3):
+        intent = scout.step(situation(stamp_s=float(second)))
+    assert 1.5 < abs(intent.decision.path_m[-1, 0]) < 2.1
+    assert scout.explored_m2 < 16.0
