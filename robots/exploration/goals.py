@@ -9,6 +9,8 @@ from math import hypot
 from robots.config import ConfigError, PlanningConfig
 from robots.exploration.communication import Communication
 from robots.exploration.coordination import coordination_of
+from robots.exploration.coordination.original import ways_planned_alone
+from robots.exploration.coordination.team import SAME_GOAL_M, Selfish, Team
 from robots.exploration.frontiers import Frontier, find_frontiers, find_shut_off
 from robots.exploration.ground import Ground
 from robots.exploration.strategies import STRATEGIES
@@ -63,6 +65,7 @@ class Goals:
         self.reports: tuple[FrontierReport, ...] = ()
         self.view: ExplorationView | None = None  # at the last choice, where the strategy answers tags by it
         self._why = ""
+        self._planned = 0
         self._aside: list[_Aside] = []
 
     def change(self, methods: Methods) -> None:
@@ -111,19 +114,34 @@ class Goals:
         The old goal is kept while its frontier is still there and nothing much better has come up; by a
         strategy that keeps its goals until the robot is there.
         """
-        view = self._with_candidates(view)
-        self.view = view if isinstance(self.strategy, AnswersTags) else None
-        if not view.frontiers:
-            return None
         kept = self._kept(view)
         if kept is not None:
             return kept
+        view = self._with_candidates(replace(view, mates_trail=self._communication.mates_trail()))
+        self.view = view if isinstance(self.strategy, AnswersTags) else None
+        if not view.frontiers:
+            return None
         goal_m = None if isinstance(self.strategy, KeepsGoals) else self.goal_m
         team = self._communication.team(view, self.strategy, goal_m)
         best = self.coordination.choose(team)
+        self._planned += self._ways_planned(team, view.frontiers[best])
         self.reports = _reports(view.frontiers, [float(worth) for worth in team.own], best)
         self._why = self.strategy.reason(view, best)
         return Choice(view.frontiers[best], self._why)
+
+    def take_planned(self) -> int:
+        """Return how many ways were planned to choose goals since this was last asked (Amigoni 2013, 3.3)."""
+        planned, self._planned = self._planned, 0
+        return planned
+
+    def _ways_planned(self, team: Team, chosen: Frontier) -> int:
+        if isinstance(self.strategy, KeepsGoals):
+            return ways_planned_alone(team) if isinstance(self.coordination, Selfish) else team.planned
+        goal = self.goal_m
+        same = (
+            goal is not None and hypot(goal[0] - chosen.goal_m[0], goal[1] - chosen.goal_m[1]) < SAME_GOAL_M
+        )
+        return 0 if same else len(team)  # one flood of the map from each robot
 
     def _kept(self, view: ExplorationView) -> Choice | None:
         """Return the goal that the robot is on its way to where its strategy decides on arrival alone."""

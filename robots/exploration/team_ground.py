@@ -6,6 +6,7 @@ any order. Of robots that disagree about a cell the more are believed, and free 
 
 from __future__ import annotations
 
+from functools import lru_cache
 from math import ceil, cos, floor, sin
 
 import numpy as np
@@ -120,9 +121,9 @@ class TeamGround:
         slot = self._slots.setdefault(key, len(self._slots))
         if slot == len(self._votes):
             self._votes = np.concatenate([self._votes, np.zeros_like(self._votes)])
-        self._votes[slot] += _OF_STATE[unpacked(cells)]
+        self._votes[slot] += _votes_of(cells)
         if before:
-            self._votes[slot] -= _OF_STATE[unpacked(before)]
+            self._votes[slot] -= _votes_of(before)
 
     def _index(self, start: Key) -> tuple[NDArray[np.int32], int, int]:
         """Return which slot holds which tile, (h, w), -1 for none, and the row and column of the first."""
@@ -138,6 +139,12 @@ class TeamGround:
         index = np.full(end - corner, -1, np.int32)
         index[tuple((keys - corner).T)] = [slot for _, slot in near]
         return index, int(corner[0]), int(corner[1])
+
+
+@lru_cache(maxsize=512)  # everybody in reach draws the same tiles
+def _votes_of(cells: bytes) -> NDArray[np.int16]:
+    votes: NDArray[np.int16] = _OF_STATE[unpacked(cells)]
+    return votes
 
 
 def unpacked(cells: bytes) -> NDArray[np.uint8]:
@@ -177,7 +184,8 @@ def tiles_of(
         config.occupied_logodds,
         config.miss_logodds,
     )
-    packed = (states.reshape(len(states), -1, 4) << _SHIFTS).sum(axis=2).astype(np.uint8)
+    four = states.reshape(len(states), -1, 4)
+    packed = four[..., 0] | four[..., 1] << 2 | four[..., 2] << 4 | four[..., 3] << 6
     keys = [(row, column) for row in range(bottom, top) for column in range(left, right)]
     return {key: tile.tobytes() for key, tile in zip(keys, packed, strict=True)}
 
@@ -210,8 +218,12 @@ def _states(
                 u = floor((c * mx - s * my + x - origin_x) / resolution - 0.5 * factor + 0.5)
                 v = floor((s * mx + c * my + y - origin_y) / resolution - 0.5 * factor + 0.5)
                 state = 0
-                for b in range(max(0, v), min(cells.shape[0], v + factor)):
-                    for a in range(max(0, u), min(cells.shape[1], u + factor)):
+                for b in range(v, v + factor):
+                    if b < 0 or b >= cells.shape[0]:
+                        continue
+                    for a in range(u, u + factor):
+                        if a < 0 or a >= cells.shape[1]:
+                            continue
                         if cells[b, a] >= occupied:
                             state = 2
                         elif cells[b, a] <= -free and state == 0:
@@ -236,25 +248,23 @@ def _overlay(
     occupied: int,
     free: int,
 ) -> None:
-    for row in range(cells.shape[0] // factor):
-        for column in range(cells.shape[1] // factor):
-            mx = origin_x + (column + 0.5) * factor * resolution
-            my = origin_y + (row + 0.5) * factor * resolution
-            u = floor((c * mx - s * my + x) / LATTICE_CELL_M)
-            v = floor((s * mx + c * my + y) / LATTICE_CELL_M)
-            r, k = v // TILE_CELLS, u // TILE_CELLS
-            if r < 0 or k < 0 or r >= index.shape[0] or k >= index.shape[1] or index[r, k] < 0:
-                continue
-            told = votes[index[r, k], v % TILE_CELLS, u % TILE_CELLS]
-            if told == 0:
-                continue
+    rows, columns = index.shape[0] * TILE_CELLS, index.shape[1] * TILE_CELLS
+    for row in range(0, cells.shape[0] - factor + 1, factor):
+        for column in range(0, cells.shape[1] - factor + 1, factor):
             known = False
-            for b in range(row * factor, (row + 1) * factor):
-                for a in range(column * factor, (column + 1) * factor):
+            for b in range(row, row + factor):
+                for a in range(column, column + factor):
                     known = known or cells[b, a] >= occupied or cells[b, a] <= -free
             if known:
                 continue
-            value = occupied if (told >> 8) > (told & 255) else -free
-            for b in range(row * factor, (row + 1) * factor):
-                for a in range(column * factor, (column + 1) * factor):
-                    cells[b, a] = value
+            for b in range(row, row + factor):
+                for a in range(column, column + factor):
+                    mx, my = origin_x + (a + 0.5) * resolution, origin_y + (b + 0.5) * resolution
+                    u = floor((c * mx - s * my + x) / LATTICE_CELL_M)
+                    v = floor((s * mx + c * my + y) / LATTICE_CELL_M)
+                    if u < 0 or v < 0 or u >= columns or v >= rows:
+                        continue
+                    slot = index[v // TILE_CELLS, u // TILE_CELLS]
+                    told = 0 if slot < 0 else votes[slot, v % TILE_CELLS, u % TILE_CELLS]
+                    if told != 0:
+                        cells[b, a] = occupied if (told >> 8) > (told & 255) else -free

@@ -10,7 +10,7 @@ from robots.config import AgentConfig, PlanningConfig
 from robots.sim.scenario import ScenarioConfig, ScenarioError
 
 Order = Literal["sequence", "at once"]
-Sharing = Literal["none", "tags", "full"]
+Sharing = Literal["none", "private", "tags", "full"]
 
 STEP_M = 0.2
 _MAP_CELL_M, _PLAN_CELL_M = 0.1, 0.2
@@ -22,12 +22,14 @@ class ArenaConfig:
     """A scenario with true poses, in steps of ``STEP_M`` at full speed along the way that the scout plans.
 
     ``in_order``: all robots at once, or in sequence, each after the last is done or has driven ``budget_m``;
-    the tags stay. ``sharing``: nothing, what tags say, or one map. ``reader_m``: tags are read so far off, by
+    the tags stay. ``sharing``: nothing; what tags say, or only those a robot dropped
+    itself; or one map. ``reader_m``: tags are read so far off, by
     a plate over the floor, or from ``SIGHT_FROM_M`` on in line of sight; one that stays in reach is read
     again every ``read_every_s``. ``tag_error_m``: deviation of a tag's place as each robot believes it.
-    ``collide``: whether robots stand in each other's way and view. A run ends after ``limit_s``, when
-    ``until`` of what can be seen was seen, or when nobody has anything left to do. The score is taken when
-    the team has driven its budgets.
+    ``plan_cost_s``: so long a robot stands for every way that it plans to choose where to go. ``collide``:
+    whether robots stand in each other's way and view. A run ends after ``limit_s``, when ``until`` of what
+    can be seen was seen, or when nobody has anything left to do. The score is taken when the team has driven
+    its budgets.
     """
 
     scenario: ScenarioConfig
@@ -40,6 +42,7 @@ class ArenaConfig:
     read_every_s: float = 2.0
     tag_error_m: float = 0.0
     collide: bool = False
+    plan_cost_s: float = 0.0
 
     def __post_init__(self) -> None:
         """Refuse what cannot be played. Raises ScenarioError."""
@@ -47,9 +50,14 @@ class ArenaConfig:
             raise ScenarioError("the arena plays scenarios with poses=truth")
         if self.in_order == "sequence" and not isfinite(self.budget_m):
             raise ScenarioError("budget_m: robots in sequence need one; give the metres each may drive")
-        for name in ("reader_m", "tag_error_m", "limit_s", "read_every_s"):
+        for name in ("reader_m", "tag_error_m", "limit_s", "read_every_s", "plan_cost_s"):
             if not isfinite(getattr(self, name)) or getattr(self, name) < 0.0:
                 raise ScenarioError(f"{name} has to be a finite number of 0 or more")
+
+    @property
+    def with_tags(self) -> bool:
+        """Whether robots drop and read tags."""
+        return self.sharing in ("private", "tags")
 
     @property
     def step_s(self) -> float:
@@ -66,6 +74,6 @@ class ArenaConfig:
                 planning=replace(config.planning, cell_m=_PLAN_CELL_M),
             )
         planning = replace(config.planning, replan_every_s=_PLAN_AT_LEAST_S)
-        magazine = config.deployment.magazine if self.sharing == "tags" else 0
+        magazine = config.deployment.magazine if self.with_tags else 0
         deployment = replace(config.deployment, magazine=magazine)
         return replace(config, planning=planning, deployment=deployment)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from math import hypot
+from dataclasses import replace
+from math import floor, hypot
 
 import numpy as np
 
@@ -39,8 +40,9 @@ class ArenaRobot:
     ) -> None:
         scenario = config.scenario
         self.robot_id = scenario.robot_ids[index]
-        self.scout = Scout(self.robot_id, config.agent_of(self.robot_id))
         self.start = self.pose = ground.starts[index]
+        told = replace(config.agent_of(self.robot_id), start=(self.start.x, self.start.y, self.start.theta))
+        self.scout = Scout(self.robot_id, told)
         self.map = self._begin_map(ground, shared)
         self.places = BelievedPlaces(field, self.start, config.tag_error_m, (scenario.seed, 30, index))
         self.seen: Cells = np.zeros_like(ground.world.cells)
@@ -48,6 +50,7 @@ class ArenaRobot:
         self.steps = 0
         self.times_stuck = 0
         self.decision = self.scout.decision
+        self.says: bytes | None = None
         self._config = config
         self._world = ground.world
         self._field = field
@@ -64,8 +67,12 @@ class ArenaRobot:
         self._wakes_s = 0.0
         self._way: tuple[float, float, float] | None = None  # where and when it last made way
 
-    def step(self, clock_s: float, others_m: Array) -> None:
-        """Look, read tags, decide, and move on for one step; others' places (k, 2) where they count."""
+    def step(self, clock_s: float, others_m: Array, heard: tuple[bytes, ...] = ()) -> None:
+        """Look, read tags, decide, and move on for one step; others' places (k, 2) where they count.
+
+        ``heard``: messages of the team; ``says`` is this robot's own, to be taken by whoever carries it.
+        """
+        self.says = None
         if clock_s < self._wakes_s:
             return
         if self.steps == 0:
@@ -73,11 +80,14 @@ class ArenaRobot:
         self.steps += 1
         pose = Pose2(self.pose.x - self.start.x, self.pose.y - self.start.y, self.pose.theta)
         scan = self._laser.scan(self.pose, others_m, self._radius_m, self.seen)
-        self.map.add_scan(pose, scan)
+        if not self.scout.explorer.local_map_m:
+            self.map.add_scan(pose, scan)
         if self._bumped and free_ahead(scan, self._radius_m) >= 0.25:
             ahead = pose @ Pose2(self._radius_m + _FELT_M, 0.0, 0.0)
             self.map.add_obstacle(ahead.x, ahead.y, _FELT_M)
         read = self._read(clock_s)
+        if heard and self._news_s is None:
+            self._news_s = clock_s
         if self._must_plan(clock_s, pose):
             self.scout.replan()
             self._planned_s, self._news_s = clock_s, None
@@ -97,10 +107,16 @@ class ArenaRobot:
                 read=read,
                 tag_place=self.places.of,
                 tag_places=self.places.all,
+                heard=heard,
             )
         )
+        self.says = intent.say
         self._handle_tags(intent)
         self.decision = intent.decision
+        thinking_s = self._config.plan_cost_s * self.scout.explorer.goals.take_planned()
+        if thinking_s > 0.0:
+            self._wakes_s = clock_s + thinking_s
+            return
         if self.decision.activity == "done":
             self._wakes_s = clock_s + _REST_S
         self._move(self.decision, others_m)
@@ -123,9 +139,11 @@ class ArenaRobot:
         return max(0.0, 1.0 - (clock_s - self._began_s) / IDLE_LIFE_S - self.driven_m / DRIVE_LIFE_M)
 
     def _read(self, clock_s: float) -> tuple[TagSighting, ...]:
-        if self._config.sharing != "tags":
+        if not self._config.with_tags:
             return ()
         read = self._reader.sightings(self._before, self.pose, clock_s)
+        if self._config.sharing == "private":
+            read = tuple(sighting for sighting in read if sighting.tag_id.startswith(f"{self.robot_id}-"))
         for sighting in read:
             self.places.learn(sighting.tag_id)
             known = self._heard.get(sighting.tag_id)
@@ -146,6 +164,9 @@ class ArenaRobot:
         cells, origin, cell_m = self.map.cells, self.map.origin, self.map.resolution_m
         occupied, free = config.mapping.occupied_logodds, config.mapping.miss_logodds
         x, y = decision.goal_m
+        row, column = floor((y - origin[1]) / cell_m), floor((x - origin[0]) / cell_m)
+        if cells[row, column] > -free:  # a goal on ground that others told of: their word is not checked here
+            return False
         if not edge_is_left(cells, origin, cell_m, x, y, _EDGE_WITHIN_M, occupied, free):
             return True
         return not way_is_clear(
