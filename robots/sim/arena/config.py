@@ -25,9 +25,9 @@ class ArenaConfig:
     the tags stay. ``sharing``: nothing, what tags say, or one map. ``reader_m``: tags are read so far off, by
     a plate over the floor, or from ``SIGHT_FROM_M`` on in line of sight; one that stays in reach is read
     again every ``read_every_s``. ``tag_error_m``: deviation of a tag's place as each robot believes it.
-    ``collide``: whether robots stand in each other's way and view. A run ends after ``limit_s``, when
-    ``until`` of what can be seen was seen, or when nobody has anything left to do. The score is taken when
-    the team has driven its budgets.
+    ``collide``: whether robots stand in each other's way and view; where they do not, all of the same start
+    begin at one and the same place. A run ends after ``limit_s``, when ``until`` of what can be seen was
+    seen, or when nobody has anything left to do. The score is taken when the team has driven its budgets.
     """
 
     scenario: ScenarioConfig
@@ -53,8 +53,8 @@ class ArenaConfig:
 
     @property
     def step_s(self) -> float:
-        """Time that a step takes."""
-        return STEP_M / self.scenario.agent_config.body.max_speed_mps
+        """Time that a step takes, in whole 1/1024 s: differences of stamps are exact, whenever a robot starts."""
+        return round(1024.0 * STEP_M / self.scenario.agent_config.body.max_speed_mps) / 1024.0
 
     def agent_of(self, robot_id: str) -> AgentConfig:
         """Return what a robot's scout is told: cells as coarse as doors allow, unless told otherwise."""
