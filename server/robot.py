@@ -99,13 +99,15 @@ class Robot:
     snapshot_at_s: float = field(default_factory=time.monotonic)
     snapshot_task: asyncio.Task[None] | None = None
     slam: str = field(init=False)
+    communication: str = field(init=False)
 
     def __post_init__(self) -> None:
-        """Look up the kind of SLAM that its agent was told; a damaged record must not hold up the others."""
+        """Look up what its agent was told; a damaged record must not hold up the others."""
         try:
-            self.slam = codec.decode(self.record.config, AgentConfig).slam
+            config = codec.decode(self.record.config, AgentConfig)
+            self.slam, self.communication = config.slam, config.planning.communication
         except codec.CodecError:
-            self.slam = "unknown"
+            self.slam, self.communication = "unknown", "unknown"
 
     @property
     def robot_id(self) -> str:

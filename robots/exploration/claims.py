@@ -42,7 +42,7 @@ class Claims:
     def hear(self, tag_id: str, memory: TagMemory, now_s: float = 0.0) -> None:
         """Take in what a tag of the mission says."""
         known = self._memories.get(tag_id, TagMemory.empty())
-        self._memories[tag_id] = known.merge(TagMemory(memory.cells))
+        self._memories[tag_id] = known.merge(memory.uncut())
         self._read_s[tag_id] = now_s
 
     def tags(self, place_of: PlaceOf) -> tuple[KnownTag, ...]:
@@ -61,7 +61,7 @@ class Claims:
         for tag_id in sorted(self._memories):
             place = place_of(tag_id)
             if place is not None:
-                _draw(claimed, self._memories[tag_id].cells, place, grid.origin)
+                _draw(claimed, self._memories[tag_id], place, grid.origin)
         return Survey(unknown, claimed, grid.origin)
 
 
@@ -124,15 +124,16 @@ def _centres_in(k: int, cell_m: float, lattice_m: float) -> int:
 
 def _draw(
     claimed: NDArray[np.uint8],
-    cells: NDArray[np.uint8],
+    memory: TagMemory,
     place: tuple[float, float],
     origin: tuple[float, float],
 ) -> None:
-    """Draw a tag's window; rows of ``cells`` go along x, columns along y."""
-    half = len(cells) / 2.0 * CELL_M
-    fine = np.repeat(np.repeat(cells.T, _PER_CELL, axis=0), _PER_CELL, axis=1)  # rows along y
-    row = round((place[1] - half - origin[1]) / LATTICE_M)
-    column = round((place[0] - half - origin[0]) / LATTICE_M)
+    """Draw a tag's window; rows of its cells go along x, columns along y."""
+    half = memory.side / 2.0 * CELL_M
+    fine = np.repeat(np.repeat(memory.cells.T, _PER_CELL, axis=0), _PER_CELL, axis=1)  # rows along y
+    north, west = memory.shift_m
+    row = round((place[1] + west - half - origin[1]) / LATTICE_M)
+    column = round((place[0] + north - half - origin[0]) / LATTICE_M)
     rows, columns = claimed.shape
     top, left = max(row, 0), max(column, 0)
     bottom, right = min(row + len(fine), rows), min(column + len(fine), columns)

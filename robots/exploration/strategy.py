@@ -13,6 +13,7 @@ from robots.exploration.claims import KnownTag, Survey
 from robots.exploration.frontiers import Frontier
 from robots.planning.plan_grid import PlanGrid
 from robots.se2 import Array, Pose2
+from robots.tags.memory import TagMemory
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -72,10 +73,27 @@ class OwnCandidates(Protocol):
 
 
 @runtime_checkable
+class KeepsGoals(Protocol):
+    """A strategy that decides anew when the robot has come to where it was sent, not on the way."""
+
+    keeps_goals: bool
+
+
+@runtime_checkable
+class AnswersTags(Protocol):
+    """A strategy with rules of its own for what a tag holds after it was read."""
+
+    def answer(self, memory: TagMemory, view: ExplorationView, tag_m: tuple[float, float]) -> TagMemory:
+        """Return what a tag at a place in the map frame is to hold, given what it said."""
+        ...
+
+
+@runtime_checkable
 class PlansLocally(Protocol):
-    """A strategy made for a small map round the robot, with ways by eq. (6) of Ziparo 2007."""
+    """A strategy made for a small map round the robot and even tags, with ways by eq. (6) of Ziparo 2007."""
 
     local_map_m: float
+    tag_every_m: float
 
 
 def goals_of(view: ExplorationView) -> Array:

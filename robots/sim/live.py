@@ -22,9 +22,9 @@ from robots.agent import RobotAgent, merge_commands
 from robots.client import ClientError, RobotClient
 from robots.config import AgentConfig
 from robots.sim.arguments import add_scenario_arguments, scenario_from_arguments
-from robots.sim.pilots import Agent, AgentFactory, Merge, Pilot, is_cut
+from robots.sim.pilots import Agent, AgentFactory, Merge, Pilot
 from robots.sim.runner import mission_score, radio
-from robots.sim.scenario import START_SD_M, START_SD_RAD, RadioCut, ScenarioConfig, ScenarioError
+from robots.sim.scenario import START_SD_M, START_SD_RAD, RadioCut, ScenarioConfig, ScenarioError, is_cut
 from robots.sim.score import Score
 from robots.sim.simulation import Order, Simulation
 from robots.sim.wire import Json, command_from_wire, command_to_wire, observation_to_wire, pose_to_wire
@@ -133,7 +133,7 @@ def play(
                 for client in clients.values():
                     client.patience_s = 0.0  # an agent on board does not wait for the server
             pilots = {
-                robot_id: _pilot(config, robot_id, client, agent_factory, merge)
+                robot_id: _pilot(simulation, robot_id, client, agent_factory, merge)
                 for robot_id, client in clients.items()
             }
             _play(simulation, pilots, threads, speed, stop, progress)
@@ -200,12 +200,13 @@ def _register(simulation: Simulation, clients: dict[str, RobotClient], name: str
 
 
 def _pilot(
-    config: ScenarioConfig, robot_id: str, client: RobotClient, agent_factory: AgentFactory, merge: Merge
+    simulation: Simulation, robot_id: str, client: RobotClient, agent_factory: AgentFactory, merge: Merge
 ) -> Pilot:
+    config = simulation.config
     if config.agent == "server":
         return radio(config, robot_id, ServerPilot(client))
     cuts = [cut for cut in config.radio_cuts if cut.robot_id == robot_id]
-    return OnboardPilot(agent_factory(robot_id, config.agent_of(robot_id)), merge, client, cuts)
+    return OnboardPilot(agent_factory(robot_id, simulation.agent_of(robot_id)), merge, client, cuts)
 
 
 def changes(config: Any, default: Any) -> Json:

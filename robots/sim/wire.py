@@ -65,6 +65,8 @@ def observation_to_wire(observation: Observation) -> Json:
         wire["bumper"] = True
     if observation.held:
         wire["held"] = True
+    if observation.heard:
+        wire["heard"] = [_text(message) for message in observation.heard]
     return wire
 
 
@@ -88,6 +90,7 @@ def observation_from_wire(wire: Json) -> Observation:
         tags_left=wire.get("tags_left"),
         bumper=wire.get("bumper", False),
         held=wire.get("held", False),
+        heard=tuple(base64.b64decode(message) for message in wire.get("heard", ())),
     )
 
 
@@ -98,6 +101,7 @@ def command_to_wire(command: Command) -> Json:
         "angular_radps": command.angular_radps,
         "drop_tag": command.drop_tag,
         "writes": [{"tag_id": write.tag_id, "memory": _text(write.memory)} for write in command.writes],
+        "say": None if command.say is None else _text(command.say),
     }
 
 
@@ -108,6 +112,7 @@ def command_from_wire(wire: Json) -> Command:
         angular_radps=float(wire["angular_radps"]),
         drop_tag=bool(wire["drop_tag"]),
         writes=tuple(TagWrite(item["tag_id"], base64.b64decode(item["memory"])) for item in wire["writes"]),
+        say=None if wire.get("say") is None else base64.b64decode(wire["say"]),
     )
 
 

@@ -1,32 +1,45 @@
-"""The bytes of a tag's memory: version, side of the window, five cells a byte, then the maps if any."""
+"""The bytes of a tag's memory: one that says which kinds follow, then each kind, its own length known."""
 
 from __future__ import annotations
 
-from functools import lru_cache
-
-import numpy as np
-from numpy.typing import NDArray
-
 from robots.tags.map_memory import pack_maps, unpack_maps
-from robots.tags.memory import SIDE, TagMemory, TagMemoryError, window_bytes
+from robots.tags.marks import (
+    Notes,
+    Pass,
+    VictimMark,
+    pack_notes,
+    pack_passes,
+    pack_victims,
+    unpack_notes,
+    unpack_passes,
+    unpack_victims,
+)
+from robots.tags.memory import CENTRED, REACH, VISITED_REACH, TagMemory, TagMemoryError
+from robots.tags.window import Cells, no_cells, pack, unpack
 
-VERSION = 3
+VERSION = 0x40  # the two high bits; the others say which kinds follow
 MAX_BYTES = 1 << 16
-_PER_BYTE = 5  # cells of three states: 3**5 = 243
-_WEIGHTS = 3 ** np.arange(_PER_BYTE)
+_KINDS = 0x3F
+_VICTIMS, _NOTES, _PASSES, _VISITED, _COVERAGE, _MAPS = (1 << k for k in range(6))
 
 
 def encode_memory(memory: TagMemory) -> bytes:
     """Return a memory's bytes.
 
     Raises:
-        ValueError: the maps are too large.
+        ValueError: a map, a name or a text is too large.
     """
-    cells = memory.cells.ravel()
-    padded = np.zeros(window_bytes(memory.side) * _PER_BYTE, np.int64)
-    padded[: len(cells)] = cells
-    window = (padded.reshape(-1, _PER_BYTE) @ _WEIGHTS).astype(np.uint8).tobytes()
-    return bytes([VERSION, memory.side]) + window + (pack_maps(memory.maps) if memory.maps else b"")
+    kinds = {
+        _VICTIMS: pack_victims(memory.victims) if memory.victims else b"",
+        _NOTES: pack_notes(memory.notes) if memory.notes != Notes() else b"",
+        _PASSES: pack_passes(memory.passes) if memory.passes else b"",
+        _VISITED: _pack_window(memory.visited, memory.visited_reach) if memory.has_visited else b"",
+        _COVERAGE: (
+            bytes([memory.phase]) + _pack_window(memory.cells, memory.reach) if memory.has_coverage else b""
+        ),
+        _MAPS: pack_maps(memory.maps) if memory.maps else b"",
+    }
+    return bytes([VERSION | sum(kind for kind, data in kinds.items() if data)]) + b"".join(kinds.values())
 
 
 def decode_memory(data: bytes) -> TagMemory:
@@ -37,27 +50,14 @@ def decode_memory(data: bytes) -> TagMemory:
     """
     if not data:
         return TagMemory.empty()
-    if data[0] != VERSION:
-        raise TagMemoryError(f"a tag memory begins with {VERSION}, its version; this one with {data[0]}")
+    if data[0] & ~_KINDS != VERSION:
+        raise TagMemoryError(f"a tag memory of this version begins with 64 to 127; this one with {data[0]}")
     if len(data) > MAX_BYTES:
         raise TagMemoryError(f"a tag memory has at most {MAX_BYTES} bytes; this one has {len(data)}")
-    side = data[1] if len(data) > 1 else 0
-    if side % 2 == 0 or side > SIDE:
-        raise TagMemoryError(f"the tag memory is damaged: its window has {side} cells along a side")
-    end = 2 + window_bytes(side)
-    if len(data) < end:
-        raise TagMemoryError(f"the tag memory is damaged: it ends after {len(data)} bytes of {end} or more")
-    window = np.frombuffer(data[2:end], np.uint8)
-    if (window > 242).any():
-        raise TagMemoryError("the tag memory is damaged: a cell has a state that does not exist")
-    digits = _digits()[window].ravel()
-    if digits[side * side :].any():
-        raise TagMemoryError("the tag memory is damaged: there are cells beyond its window")
     try:
-        maps = unpack_maps(data[end:]) if len(data) > end else ()
-    except ValueError as error:
+        return _decoded(data)
+    except (ValueError, IndexError) as error:
         raise TagMemoryError(f"the tag memory is damaged: {error}") from error
-    return TagMemory(digits[: side * side].reshape(side, side), maps)
 
 
 def merge_bytes(first: bytes, second: bytes) -> bytes:
@@ -69,7 +69,48 @@ def merge_bytes(first: bytes, second: bytes) -> bytes:
     return encode_memory(decode_memory(first).merge(decode_memory(second)))
 
 
-@lru_cache(maxsize=1)
-def _digits() -> NDArray[np.uint8]:
-    """The five cells of every byte, (243, 5)."""
-    return (np.arange(243)[:, None] // _WEIGHTS % 3).astype(np.uint8)
+def _decoded(data: bytes) -> TagMemory:
+    kinds, at = data[0] & _KINDS, 1
+    victims: tuple[VictimMark, ...] = ()
+    notes, passes = Notes(), tuple[Pass, ...]()
+    visited, visited_reach, cells, phase, reach = no_cells(), VISITED_REACH, no_cells(), CENTRED, REACH
+    if kinds & _VICTIMS:
+        victims, used = unpack_victims(data[at:])
+        at += used
+    if kinds & _NOTES:
+        notes, used = unpack_notes(data[at:])
+        at += used
+    if kinds & _PASSES:
+        passes, used = unpack_passes(data[at:])
+        at += used
+    if kinds & _VISITED:
+        visited, visited_reach, at = _unpack_window(data, at, VISITED_REACH)
+    if kinds & _COVERAGE:
+        phase = _byte(data, at)
+        cells, reach, at = _unpack_window(data, at + 1, REACH)
+    maps = unpack_maps(data[at:]) if kinds & _MAPS else ()
+    if not kinds & _MAPS and at != len(data):
+        raise ValueError(f"it has {len(data) - at} bytes too many")
+    return TagMemory(cells, maps, victims, notes, passes, visited, phase, reach, visited_reach)
+
+
+def _pack_window(cells: Cells, reach: int) -> bytes:
+    """Return the reach it was cut to, one more where cells follow; 0 where none had room."""
+    return bytes([2 * (reach + 1) + bool(cells.any())]) + (pack(cells, reach) if cells.any() else b"")
+
+
+def _unpack_window(data: bytes, at: int, most: int) -> tuple[Cells, int, int]:
+    further, holds = divmod(_byte(data, at), 2)
+    reach = further - 1
+    if reach > most or (reach == most and not holds) or (reach < 0 and holds):
+        raise ValueError(f"its window reaches {reach} cells")
+    if not holds:
+        return no_cells(), reach, at + 1
+    cells, used = unpack(data[at + 1 :], reach)
+    return cells, reach, at + 1 + used
+
+
+def _byte(data: bytes, at: int) -> int:
+    if at >= len(data):
+        raise ValueError(f"it ends after {len(data)} bytes")
+    return data[at]

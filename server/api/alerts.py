@@ -4,11 +4,18 @@ from __future__ import annotations
 
 from fastapi import APIRouter
 
-from server.api.common import ERRORS, OneMission
-from server.schemas.nodes import AlertIn, AlertOut, AlertsOut
+from server.api.common import ERRORS, READS, OneMission, Operator
+from server.people.audit import AuditedRoute
+from server.schemas.nodes import AlertOut, AlertsOut
 from server.sharing import alert_value
 
-router = APIRouter(prefix="/missions/{mission_id}/alerts", tags=["alerts"], responses=ERRORS)
+router = APIRouter(
+    prefix="/missions/{mission_id}/alerts",
+    tags=["alerts"],
+    responses=ERRORS,
+    dependencies=READS,
+    route_class=AuditedRoute,
+)
 
 
 @router.get("", summary="All open alerts", operation_id="get_alerts")
@@ -18,6 +25,6 @@ async def get_alerts(mission: OneMission) -> AlertsOut:
 
 
 @router.post("/{alert_id}/acknowledge", summary="Take note of an alert", operation_id="acknowledge_alert")
-async def acknowledge_alert(alert_id: str, body: AlertIn, mission: OneMission) -> AlertOut:
+async def acknowledge_alert(alert_id: str, mission: OneMission, by: Operator) -> AlertOut:
     """Keep who has taken note of an alert; one that is over leaves the list with that."""
-    return AlertOut(**alert_value(await mission.nodes.acknowledge(alert_id, body.by)))
+    return AlertOut(**alert_value(await mission.nodes.acknowledge(alert_id, by.name)))

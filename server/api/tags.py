@@ -7,14 +7,21 @@ from typing import Any
 from fastapi import APIRouter, Request, Response
 
 from robots.tags.memory import TagMemoryError
-from server.api.common import ERRORS, OneMission
+from server.api.common import ERRORS, READS, OneMission, RobotOrOperator
 from server.errors import ApiError, unknown
 from server.mission.mission import Mission
+from server.people.audit import AuditedRoute
 from server.schemas.common import Name
 from server.schemas.findings import TagOut, TagsOut
 from server.schemas.nodes import NodeOut
 
-router = APIRouter(prefix="/missions/{mission_id}/tags", tags=["tags"], responses=ERRORS)
+router = APIRouter(
+    prefix="/missions/{mission_id}/tags",
+    tags=["tags"],
+    responses=ERRORS,
+    dependencies=READS,
+    route_class=AuditedRoute,
+)
 _BYTES = "application/octet-stream"
 _MEMORY = {200: {"content": {_BYTES: {"schema": {"type": "string", "format": "binary"}}}}}
 
@@ -73,10 +80,10 @@ async def get_memory(tag_id: str, mission: OneMission) -> Response:
         }
     },
 )
-async def merge_memory(tag_id: Name, request: Request, mission: OneMission) -> Response:
+async def merge_memory(tag_id: Name, request: Request, mission: OneMission, by: RobotOrOperator) -> Response:
     """Merge the bytes that were read from a tag with what is known of it, and return the result."""
     try:
-        merged = await mission.memories.merge(tag_id, await request.body(), "rest")
+        merged = await mission.memories.merge(tag_id, await request.body(), by.name)
     except TagMemoryError as error:
         raise ApiError(422, "invalid_memory", f"The body is no tag memory: {error}.") from error
     return Response(merged, media_type=_BYTES)

@@ -91,13 +91,16 @@ def decode(
     memory = result.pop("memory")
     covered = "".join(memory["window"])
     counts = {"covered_m2": len(covered) - covered.count("."), "open_m2": covered.count("o")}
+    counts |= {kind: len(memory[kind]) for kind in ("victims", "notes", "passes")}
     maps = {each["robot_id"]: f"{len(each['tags'])} tags" for each in memory["maps"]}
     print_table(f"tag {tag_id}", {**result, **counts, "maps": maps or None})
 
 
 @tag.command()
 def show(file: FileArgument, tag_id: IdOption, key: KeyOption = "") -> None:
-    """Draw the ground round a tag as its memory has it: north is up, a character is 1 m."""
+    """Draw the ground round a tag as its memory has it, north up, 1 m a character; then all else it holds."""
+    from robots.tags.describe import sentences
+
     result = _read(file, tag_id, key)
     window = result["memory"]["window"]
     middle = len(window) // 2
@@ -106,6 +109,7 @@ def show(file: FileArgument, tag_id: IdOption, key: KeyOption = "") -> None:
     print("\n".join(window[middle + 1 :]), end="\n" if middle else "")
     seal = "the mission's seal" if result["trusted"] else "no seal of this mission: do not believe it"
     print(f"T tag {tag_id}  . unseen  o covered, with an open edge  # covered  ({seal})")
+    print(*sentences(result["memory"]), sep="\n")
 
 
 def _read(file: Path, tag_id: str, key: str) -> dict[str, Any]:

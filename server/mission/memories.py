@@ -71,7 +71,7 @@ class Memories:
         says = open_memory(records, tag_id, self._key)
         if not says.trusted:
             raise TagMemoryError("it bears another seal than this mission's, so it is a stranger's or forged")
-        return says.memory
+        return says.memory.uncut()  # here is room for all
 
     async def _merge(self, tag_id: str, memory: TagMemory, by: str) -> None:
         content = encode_memory(memory)

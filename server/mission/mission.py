@@ -31,7 +31,9 @@ from server.mission.events import Events
 from server.mission.links import Links
 from server.mission.memories import Memories
 from server.mission.nodes import Nodes
+from server.mission.presence import Presence
 from server.mission.recovery import Recovery
+from server.mission.relay import Relay
 from server.mission.replies import fresh_of, reply_to
 from server.mission.roster import Roster
 from server.mission.senders import Senders
@@ -63,6 +65,7 @@ class Mission:
         self.mission_id = mission_id
         self.board = Board()
         self.events = Events(store, mission_id, self.board)
+        self.presence = Presence(self.board)
         self.annotations = Annotations(store, mission_id, self.board)
         self.victims = Victims(store, mission_id, self.board, self.events)
         self.memories = Memories(store, mission_id, bytes.fromhex(record.tag_key), self.events)
@@ -73,6 +76,7 @@ class Mission:
         doubts = Doubts(store, mission_id, self.events)
         self.shared_map = SharedMap(store, forks, self.board, self.roster, self.victims, doubts, on_grid)
         self.best_map = BestMap(store, forks, self.board, self.roster, self.shared_map, self._tasks)
+        self._relay = Relay(self.roster)
         self._senders = Senders(store, mission_id, self.events)
         self._links = Links(self.roster, self.events, settings)
         self._recovery = Recovery(store, self.roster, self.shared_map, self.memories, self._tasks, settings)
@@ -158,12 +162,14 @@ class Mission:
     async def _accept(self, robot: Robot, fresh: list[Observation]) -> None:
         """Save observations, and only then let the agent think about them."""
         now = time.time()
+        fresh = self._relay.heard(robot, fresh)
         bodies = [codec.encode(observation) for observation in fresh]
         records = [
             ObservationRecord(observation.seq, observation.stamp_s, now, body)
             for observation, body in zip(fresh, bodies, strict=True)
         ]
         await self._store.log.append_observations(self.mission_id, robot.robot_id, records)
+        self._relay.done(robot, fresh[0])
         robot.next_seq = fresh[-1].seq + 1
         robot.last_stamp_s = fresh[-1].stamp_s
         robot.battery = next((o.battery for o in reversed(fresh) if o.battery is not None), robot.battery)
@@ -203,6 +209,7 @@ class Mission:
             before = robot.update
             updates = [self._take(robot, answer) for answer in answers]
             made = [update for update in updates if update is not None]
+            self._relay.take(robot, made)
             await self._save(robot, made)
             self.roster.publish([robot])
             await self._tell_activity(robot, before)

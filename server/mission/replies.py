@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 from robots.agent import merged_command
@@ -58,6 +59,8 @@ def reply_to(
     command = merged_command([item.command for item in told]) if told else Command()
     if robot.stopped:
         command = Command()
+    if robot.communication == "full" and robot.record.agent == "server":
+        command = replace(command, say=None)  # the server has told the others
     return {
         "next_seq": robot.next_seq,
         "accepted": accepted,

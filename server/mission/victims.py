@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Iterable, Set
 from dataclasses import replace
+from typing import Any
 
 from db.records import VictimRecord, VictimStatus
 from db.store import Store
@@ -13,6 +14,11 @@ from server.board import Board
 from server.errors import unknown
 from server.mission.events import Events
 from server.sharing import victim_record, victim_value
+
+
+def judgement(victim: VictimRecord) -> dict[str, Any]:
+    """Return what people have said about a victim."""
+    return {"status": victim.status, "note": victim.note, "by": victim.by}
 
 
 class Victims:
@@ -57,6 +63,19 @@ class Victims:
             self._keep([victim])
         await self._events.tell("victim_judged", f"Victim {victim_id} is {status}, says {by}.")
         return victim
+
+    async def put_back(self, victim_id: str, said: dict[str, Any], by: str) -> None:
+        """Put back what was said about a victim before; ``by`` takes a later word back.
+
+        Raises:
+            ApiError: there is none of that id.
+        """
+        async with self._changing:
+            victim = replace(self.get(victim_id), **said)
+            await self._store.findings.record_status(self._mission_id, victim)
+            self._keep([victim])
+        text = f"Victim {victim_id} is {victim.status} again: {by} took a change back."
+        await self._events.tell("victim_judged", text)
 
     async def take(self, found: Iterable[TeamVictim], absent: Set[str]) -> None:
         """Take over the victims of a new team map.

@@ -60,6 +60,7 @@ def observation_from_wire(wire: ObservationIn) -> Observation:
         tags_left=wire.tags_left,
         bumper=wire.bumper,
         held=wire.held,
+        heard=tuple(base64.b64decode(message) for message in wire.heard),
     )
 
 
@@ -73,13 +74,15 @@ def command_to_wire(command: Command) -> dict[str, Any]:
             {"tag_id": write.tag_id, "memory": base64.b64encode(write.memory).decode()}
             for write in command.writes
         ],
+        "say": None if command.say is None else base64.b64encode(command.say).decode(),
     }
 
 
 def command_from_wire(wire: CommandWire) -> Command:
     """Return the command that was sent."""
     writes = tuple(TagWrite(write.tag_id, base64.b64decode(write.memory)) for write in wire.writes)
-    return Command(wire.linear_mps, wire.angular_radps, wire.drop_tag, writes)
+    say = None if wire.say is None else base64.b64decode(wire.say)
+    return Command(wire.linear_mps, wire.angular_radps, wire.drop_tag, writes, say)
 
 
 def pose_to_wire(pose: Pose2) -> dict[str, float]:

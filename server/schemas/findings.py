@@ -7,7 +7,7 @@ from typing import Self
 from pydantic import ConfigDict, Field, model_validator
 
 from db.records import AnnotationKind, TagState, VictimStatus
-from server.schemas.common import Covariance, Metres, Name, Person, Wire
+from server.schemas.common import Covariance, Metres, Name, Wire
 from server.schemas.nodes import NodeOut
 
 
@@ -62,12 +62,11 @@ class VictimIn(Wire):
     """What a person says about a victim."""
 
     model_config = ConfigDict(
-        json_schema_extra={"examples": [{"status": "confirmed", "note": "answers when called", "by": "Ada"}]}
+        json_schema_extra={"examples": [{"status": "confirmed", "note": "answers when called"}]}
     )
 
     status: VictimStatus
     note: str | None = Field(None, max_length=2000, description="Replaces the earlier note; null keeps it.")
-    by: Person
 
 
 class AnnotationIn(Wire):
@@ -76,8 +75,8 @@ class AnnotationIn(Wire):
     model_config = ConfigDict(
         json_schema_extra={
             "examples": [
-                {"kind": "hazard", "text": "smell of gas", "x_m": 3.0, "y_m": -1.5, "by": "Ada"},
-                {"kind": "note", "text": "stairs go down here", "tag_id": "A4", "by": "Ben"},
+                {"kind": "hazard", "text": "smell of gas", "x_m": 3.0, "y_m": -1.5},
+                {"kind": "note", "text": "stairs go down here", "tag_id": "A4"},
             ]
         }
     )
@@ -87,7 +86,6 @@ class AnnotationIn(Wire):
     x_m: Metres | None = None
     y_m: Metres | None = None
     tag_id: Name | None = None
-    by: Person
 
     @model_validator(mode="after")
     def _has_one_place(self) -> Self:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from pydantic import ConfigDict, Field
+from pydantic import Field
 
 from db.records import AlertKind, Severity
-from server.schemas.common import Person, Wire
+from server.schemas.common import Wire
 
 
 class NodeOut(Wire):
@@ -38,11 +38,3 @@ class AlertsOut(Wire):
     """Open alerts, the earliest first."""
 
     alerts: list[AlertOut]
-
-
-class AlertIn(Wire):
-    """Who takes note."""
-
-    model_config = ConfigDict(json_schema_extra={"examples": [{"by": "Ada"}]})
-
-    by: Person

@@ -4,6 +4,7 @@ On chips that are too small for all of it, what stays is the same whatever was m
 """
 
 from contextlib import suppress
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,16 +13,22 @@ from hypothesis import strategies as st
 
 from robots.tags.content import decode_memory, encode_memory, merge_bytes
 from robots.tags.map_memory import TagBelief, WriterMap, merge_maps
-from robots.tags.memory import CLOSED, SIDE, TagMemory, TagMemoryError, resized
+from robots.tags.marks import MAX_NAME, Note, Notes, Pass, VictimMark, merged_marks
+from robots.tags.memory import CENTRED, CLOSED, SIDE, VISITED_REACH, TagMemory, TagMemoryError
 from robots.tags.record import seal
 from robots.tags.sealed import close_memory, open_memory
+from robots.tags.window import resized
 
 KEY = b"mission"
-ROOMS = st.sampled_from([0, 1, 2, 3, 5, 53, 93, 193, 197, 216, 250, 408, 472, 4056])
+ROOMS = st.sampled_from([0, 1, 2, 3, 4, 5, 6, 7, 52, 92, 193, 196, 216, 250, 256, 408, 472, 4056])
 names = st.sampled_from(["r1", "r2", "r10", "a robot", "é"])
 floats = st.floats(-1e6, 1e6, width=32)
 beliefs = st.builds(TagBelief, names, floats, floats, floats, floats, floats)
 maps = st.builds(WriterMap, names, st.integers(0, 3), st.lists(beliefs, max_size=6).map(tuple))
+small = st.integers(0, 9)
+victims = st.builds(VictimMark, small, small, st.integers(-400, 400), small, small)
+passes = st.builds(Pass, small, small, st.integers(-128, 127), small, small)
+notes = st.builds(Note, st.integers(1, 6), names, st.text(max_size=20))
 
 
 @st.composite
@@ -30,7 +37,16 @@ def memories(draw):
     side = draw(st.sampled_from(range(1, SIDE + 1, 2)))
     cells = rng.integers(0, CLOSED + 1, (side, side)).astype(np.uint8)
     cells[rng.random(cells.shape) < draw(st.floats(0.0, 1.0))] = 0
-    return TagMemory(cells, merge_maps(tuple(draw(st.lists(maps, max_size=4))), ()))
+    visited = rng.integers(0, 3, (2 * draw(st.integers(0, VISITED_REACH)) + 1,) * 2).astype(np.uint8)
+    return TagMemory(
+        cells,
+        merge_maps(tuple(draw(st.lists(maps, max_size=4))), ()),
+        merged_marks(*draw(st.lists(victims, max_size=8))),
+        Notes(tuple(draw(st.lists(notes, max_size=6)))).merge(Notes()),
+        merged_marks(*draw(st.lists(passes, max_size=8))),
+        visited * np.uint8(draw(st.booleans())),
+        draw(st.sampled_from([CENTRED, 0, 7, 255])) if cells.any() else CENTRED,
+    )
 
 
 @given(memories(), memories())
@@ -58,6 +74,7 @@ def test_an_empty_memory_adds_nothing(a):
 
 @given(memories(), memories())
 def test_merge_loses_nothing_and_invents_nothing(a, b):
+    b = replace(b, phase=a.phase)  # on one lattice
     merged = a.merge(b).cells
     first, second = resized(a.cells, len(merged)), resized(b.cells, len(merged))
     assert (merged >= first).all()
@@ -99,18 +116,18 @@ def test_no_bytes_break_the_reader(data):
 
 @given(memories(), memories(), st.integers(0, 65_535), st.integers(1, 5))
 def test_the_newest_record_under_the_missions_seal_counts(a, b, revision, later):
-    old = close_memory(a, revision, "A", KEY, 5000)
-    new = close_memory(b, revision + later, "A", KEY, 5000)
+    old = close_memory(a, revision, "A", KEY, 9000)
+    new = close_memory(b, revision + later, "A", KEY, 9000)
     forged = close_memory(TagMemory(np.full((5, 5), CLOSED, np.uint8)), revision + 9, "A", b"stranger", 5000)
     for data in (old + new, new + old, old + new + forged, forged + new + old):
         said = open_memory(data, "A", KEY)
-        assert (said.memory, said.trusted) == (b.fit(5000), True)
+        assert (said.memory, said.trusted) == (b.fit(9000), True)
         newest = 9 if forged in data and data.find(forged) >= 0 else later
         assert said.next_revision == (revision + newest) % 65_536 + 1
     said = open_memory(forged, "A", KEY)
     assert not said.trusted
-    with pytest.raises(TagMemoryError, match="begins with 3"):
-        open_memory(seal(b"hello", 0, "A", KEY), "A", KEY)
+    with pytest.raises(TagMemoryError, match="begins with 64"):
+        open_memory(seal(b"\x01hello", 0, "A", KEY), "A", KEY)
     with pytest.raises(TagMemoryError, match="damaged or half written"):
         open_memory(old[:-1], "A", KEY)
 
@@ -124,3 +141,19 @@ def test_many_robots_with_many_tags_share_the_room(robots, tags, room):
     fitted = TagMemory(np.full((SIDE, SIDE), CLOSED, np.uint8), full).fit(room)
     assert len(encode_memory(fitted)) <= max(room, 3)
     assert len({len(each.beliefs) for each in fitted.maps}) <= 1
+
+
+@given(memories(), memories(), ROOMS)
+def test_who_has_room_for_all_loses_nothing_to_a_small_chip(a, b, room):
+    assert a.merge(a.fit(room).uncut()) == a
+    both = a.merge(b)
+    assert both.merge(a.fit(room).uncut()).merge(b.fit(room).uncut()) == both
+
+
+@given(st.lists(notes, max_size=30), st.integers(16, 120))
+def test_the_newest_notes_stay(found, room):
+    whole = Notes(tuple(found)).merge(Notes())
+    kept = whole.fit(room)
+    assert kept.notes == whole.notes[: len(kept.notes)]
+    assert (kept.gone is None) == (kept.notes == whole.notes)
+    assert all(len(note.author.encode()) <= MAX_NAME for note in kept.notes)

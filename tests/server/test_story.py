@@ -63,9 +63,9 @@ def test_everything_is_there_after_a_restart_and_the_robot_goes_on(story, drive)
         _in_world(line.words["start_pose"], drive, drive.expected(HALF - 1)["pose"]), abs=0.3
     )
     victim_id = line.get("/victims")["victims"][0]["victim_id"]
-    said = {"status": "confirmed", "note": "waves", "by": "Ada"}
+    said = {"status": "confirmed", "note": "waves"}
     assert line.call("PATCH", f"/victims/{victim_id}", said).status_code == 200
-    note = {"kind": "hazard", "text": "gas", "x_m": 1.0, "y_m": 2.0, "by": "Ben"}
+    note = {"kind": "hazard", "text": "gas", "x_m": 1.0, "y_m": 2.0}
     line.call("PUT", "/annotations/6f9619ff-8b86-4d01-b42d-00cf4fc964ff", note)
     written = [write for batch in drive.updates[:HALF] for update in batch for write in update.command.writes]
     memory = line.call("GET", f"/tags/{written[0].tag_id}/memory").content

@@ -109,7 +109,7 @@ class SmallRobot:
 
 @pytest.fixture
 def host(serve: Callable[[FastAPI], str], tmp_path: Path) -> str:
-    return serve(create_app(Settings(data_dir=tmp_path)))
+    return serve(create_app(Settings(data_dir=tmp_path, login="off")))
 
 
 @pytest.fixture

@@ -23,6 +23,8 @@ _LEAST_WAY_M = 1.0
 class Aojrf:
     """Weighs the free ground beyond the safe, the chance to report from there, the way and the battery."""
 
+    keeps_goals = True  # "go to their destination locations and start again"
+
     def candidates(self, view: ExplorationView) -> tuple[Frontier, ...]:
         """Return the middles of the free ground beyond each boundary of the safe."""
         return safe_candidates(view)

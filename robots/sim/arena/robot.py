@@ -6,7 +6,7 @@ from math import hypot
 
 import numpy as np
 
-from robots.exploration.explorer import Decision
+from robots.exploration.aim import Decision
 from robots.exploration.scout import Intent, Scout, Situation
 from robots.mapping.scan_map import ScanMap
 from robots.planning.following import free_ahead
@@ -144,6 +144,8 @@ class ArenaRobot:
         """Say whether what was planned is overtaken: by news, an edge that is gone, or a way that is shut."""
         if self._news_s is not None and clock_s >= self._planned_s + _PLAN_AGAIN_S and self._news_s < clock_s:
             return True
+        if self.scout.explorer.local_map_m:  # what it drives to lies at the edge of a map that goes along
+            return clock_s >= self._planned_s + _PLAN_AGAIN_S
         decision, config = self.decision, self.scout.config
         if decision.goal_m is None or decision.activity not in ("exploring", "returning"):
             return False

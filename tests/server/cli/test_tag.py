@@ -8,18 +8,24 @@ import pytest
 from robots.tags.chip import chip_of, format_chip
 from robots.tags.describe import describe, understand
 from robots.tags.map_memory import TagBelief, WriterMap
+from robots.tags.marks import Note, Notes, goal_mark, victim_mark
 from robots.tags.memory import CLOSED, OPEN, TagMemory, TagMemoryError
 from server.cli.main import run
 
 KEY = "00ff17"
 LINK = "https://w.example/t/A4"
 MEMORY = TagMemory(
-    np.zeros((7, 7), np.uint8), (WriterMap("r1", 7, (TagBelief("B", 1.0, 2.0, 0.25, 0.0, 0.5),)),)
+    np.zeros((5, 5), np.uint8),
+    (WriterMap("r1", 7, (TagBelief("B", 1.0, 2.0, 0.25, 0.0, 0.5),)),),
+    (victim_mark("v1", 0.8, 720.0, 3.0, -1.5),),
+    Notes((Note(2, "Kim", "gas, turn back"),)),
+    (goal_mark("r1", 3, 0, -4.0, 2.5),),
+    np.array([[0, 0, 0], [0, 2, 1], [0, 0, 0]], np.uint8),
 )
-MEMORY.cells[4, 2] = OPEN  # one cell to the north, one to the east
-MEMORY.cells[3, 5] = CLOSED  # two cells to the west
+MEMORY.cells[3, 1] = OPEN  # one cell to the north, one to the east
+MEMORY.cells[2, 4] = CLOSED  # two cells to the west
 
-DRAWN = [".......", ".......", "....o..", ".#.....", ".......", ".......", "......."]
+DRAWN = [".....", "...o.", "#....", ".....", "....."]
 
 
 def make(tmp_path, capsys, memory=MEMORY, *options):
@@ -58,14 +64,12 @@ def test_hexadecimal_digits_do_as_well(tmp_path, capsys):
     assert decoded(digits, capsys) == decoded(chip, capsys)
 
 
-def test_on_a_small_chip_the_middle_stays_and_it_is_said_that_something_went(tmp_path, capsys):
+def test_on_a_small_chip_it_is_said_that_something_went(tmp_path, capsys):
     chip, said = make(tmp_path, capsys, MEMORY, "--tag-bits", "512")
     assert not said["complete"]
     assert said["content_bytes"] <= said["room_bytes"]
-    assert decoded(chip, capsys, "--key", KEY)["memory"] == {
-        "window": [row[1:-1] for row in DRAWN[1:-1]],
-        "maps": [],
-    }
+    kept = decoded(chip, capsys, "--key", KEY)["memory"]
+    assert (kept["window"], kept["maps"], kept["notes"], kept["victims"]) == (DRAWN, [], [], [])
 
 
 def test_a_strangers_tag_is_shown_and_not_believed(tmp_path, capsys):
@@ -78,7 +82,14 @@ def test_a_strangers_tag_is_shown_and_not_believed(tmp_path, capsys):
 def test_it_draws_north_up(tmp_path, capsys):
     chip, _ = make(tmp_path, capsys)
     assert run(["tag", "show", str(chip), "--id", "A4", "--key", KEY]) == 0
-    assert capsys.readouterr().out.splitlines()[:7] == [*DRAWN[:3], ".#.T...", *DRAWN[4:]]
+    said = capsys.readouterr().out.splitlines()
+    assert said[:5] == [*DRAWN[:2], "#.T..", *DRAWN[3:]]
+    assert said[6:] == [
+        "Victim ccb5: 3.0 m north and 1.5 m east of the tag, 80% sure, seen at minute 12.",
+        "Kim writes: gas, turn back",
+        "Robot 09b1 passed here 3 times, last on its way to a place 4.0 m south and 2.5 m west of the tag.",
+        "Robots drove through 2 cells of 0.4 m round it.",
+    ]
     assert run(["tag", "decode", str(chip), "--id", "A4", "--key", KEY]) == 0
     assert "covered_m2" in capsys.readouterr().out
 
@@ -111,14 +122,14 @@ def test_what_is_no_tag_is_refused_in_a_sentence(tmp_path, capsys, data, message
 @pytest.mark.parametrize(
     ("value", "message"),
     [
-        ([], "object with window and maps"),
-        ({"cells": []}, "object with window and maps"),
+        ([], "an object with window, maps, victims"),
+        ({"cells": []}, "an object with window, maps, victims"),
         ({"window": "..."}, "list of texts"),
         ({"window": ["..", ".."]}, "odd side"),
         ({"window": ["..."]}, "odd side"),
         ({"window": ["x"]}, "one of . o #"),
-        ({"maps": [{"robot_id": "r1"}]}, "a map has robot_id"),
-        ({"maps": 3}, "a map has robot_id"),
+        ({"maps": [{"robot_id": "r1"}]}, "maps: each has robot_id"),
+        ({"maps": 3}, "maps: each has robot_id"),
     ],
 )
 def test_memories_that_make_no_sense_are_refused(value, message):

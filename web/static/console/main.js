@@ -1,5 +1,6 @@
 /** The console: which mission, its stream, and the parts of the page that show it. */
 
+import { learnWho } from "./account.js";
 import { ApiError, request } from "./api.js";
 import { AlertList, TagCard } from "./alerts.js";
 import { attachDivider } from "./divider.js";
@@ -155,4 +156,5 @@ addEventListener("keydown", (event) => {
 
 setInterval(() => store.changed(), TICK_MS);
 renderPanels();
+learnWho(store);
 watchMissions();

@@ -64,7 +64,7 @@ export async function acknowledge(store, alerts, event) {
   for (const alert of alerts) {
     const path = `${missionPath(store.missionId ?? "")}/alerts/${encodeURIComponent(alert.alert_id)}/acknowledge`;
     try {
-      await request("POST", path, { by: "operator" });
+      await request("POST", path);
     } catch (error) {
       store.notify(`The alert about ${alert.tag_id} was not acknowledged. ${/** @type {Error} */ (error).message}`);
       break;

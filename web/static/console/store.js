@@ -3,7 +3,7 @@
 import { BestMap } from "./best_map.js";
 
 /** @import {Alert, Annotation, ConnectionState, MapInfo, Mission, MissionEvent, Node} from "./types.js" */
-/** @import {Robot, Tag, Trail, Victim} from "./types.js" */
+/** @import {Me, Person, Robot, Tag, Trail, Victim} from "./types.js" */
 
 const PREFERENCES = "waymark.console";
 const LATE_AFTER_S = 3;
@@ -42,6 +42,10 @@ export class Store {
   annotations = new Map();
   /** @type {Map<string, MissionEvent>} */
   events = new Map();
+  /** Who watches the mission. @type {Map<string, Person>} */
+  people = new Map();
+  /** Who is logged in here; null before that is known. @type {Me | null} */
+  me = null;
   /** @type {[string, string][]} */
   links = [];
   /** @type {MapInfo | null} */
@@ -49,7 +53,7 @@ export class Store {
   /** Kind in a board key -> what has an id of that kind. @type {Record<string, Map<string, any>>} */
   keyed = {
     robot: this.robots, trail: this.trails, tag: this.tags, victim: this.victims, annotation: this.annotations,
-    event: this.events, node: this.nodes, alert: this.alerts,
+    event: this.events, node: this.nodes, alert: this.alerts, person: this.people,
   };
 
   constructor() {

@@ -1,5 +1,6 @@
 /** The bar over everything: which mission, how it stands, whether it is live, and STOP for all. */
 
+import { Account } from "./account.js";
 import { missionClock, timeOfDay } from "./format.js";
 import { isOpen } from "./node_sensors.js";
 import { ResumeButton } from "./robot_list.js";
@@ -53,6 +54,7 @@ export function TopBar({ store, stops, onMission, onView }) {
       ${VIEWS.map(([view, label, title]) => html`<button type="button" title=${title} class=${`view-${view}`}
         aria-pressed=${store.view === view} onClick=${() => onView(view)}>${label}</button>`)}
     </div>
+    <${Account} store=${store} />
     <${StopAll} store=${store} stops=${stops} />`;
 }
 

@@ -31,6 +31,8 @@
  *   victims: {victim_id: string, x_m: number, y_m: number, covariance: number[]}[]}} BestMapContent
  * @typedef {{event_id: number, unix_s: number, kind: string, text: string, robot_id?: string | null,
  *   severity: "info" | "warning" | "alarm"}} MissionEvent
+ * @typedef {{name: string, role: string, since_unix_s: number, pages: number}} Person
+ * @typedef {{name: string, role: string, login: boolean}} Me
  * @typedef {"loading" | "live" | "reconnecting" | "stale" | "none" | "failed"} ConnectionState
  */
 export {};

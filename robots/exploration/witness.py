@@ -1,0 +1,79 @@
+"""What one robot leaves in tags: the ground it knows, where it drove, how often it passed and where it went.
+
+Only what it saw itself; what others wrote stays in the tag by merging. Counts and serials grow, so no clock
+has to agree with another.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from robots.planning.plan_grid import PlanGrid
+from robots.se2 import Array
+from robots.tags.marks import goal_mark
+from robots.tags.memory import CELL_M, TagMemory, phase_of
+from robots.tags.observed import observed_memory, visited_window
+
+_ANEW_S = 20.0  # not read for so long: it is passed once more
+_OTHER_GOAL_M = 2.0
+_MOST = 255
+Place = tuple[float, float]
+
+
+class Witness:
+    """Of one robot, in its map frame."""
+
+    def __init__(self, robot_id: str) -> None:
+        self._robot_id = robot_id
+        self._corner: Place | None = None  # of a cell of the lattice that this robot found, or began
+        self._passes: dict[str, tuple[int, int, float, Place]] = {}  # count, serial, last read, goal
+
+    def about(
+        self,
+        tag_id: str,
+        place: Place,
+        said: TagMemory,
+        grid: PlanGrid,
+        trail_m: Array,
+        goal_m: Place | None,
+        now_s: float,
+    ) -> TagMemory:
+        """Return what to merge into a tag at a place, given what it says already.
+
+        Args:
+            tag_id: the tag's.
+            place: where it lies in the map frame.
+            said: what it holds.
+            grid: what the robot knows, in the map frame.
+            trail_m: (n, 2) or wider, where it was.
+            goal_m: where it drives.
+            now_s: by its own clock.
+        """
+        if said.has_coverage:
+            phase = said.phase
+            self._corner = self._corner or _corner(place, phase)
+        else:
+            self._corner = self._corner or (place[0] - CELL_M / 2.0, place[1] - CELL_M / 2.0)
+            phase = phase_of(*place, self._corner)
+        count, serial, goal = self._pass(tag_id, goal_m or place, now_s)
+        return replace(
+            observed_memory(grid, *place, phase),
+            passes=(goal_mark(self._robot_id, count, serial, goal[0] - place[0], goal[1] - place[1]),),
+            visited=visited_window(trail_m, *place),
+        )
+
+    def _pass(self, tag_id: str, goal: Place, now_s: float) -> tuple[int, int, Place]:
+        """Count a passage of a tag, or that the goal is another one during it."""
+        count, serial, last_s, before = self._passes.get(tag_id, (0, 0, -_ANEW_S, goal))
+        if now_s - last_s >= _ANEW_S:
+            count, serial = min(count + 1, _MOST), 0
+        elif (goal[0] - before[0]) ** 2 + (goal[1] - before[1]) ** 2 > _OTHER_GOAL_M**2:
+            serial = min(serial + 1, _MOST)
+        else:
+            goal = before
+        self._passes[tag_id] = count, serial, now_s, goal
+        return count, serial, goal
+
+
+def _corner(place: Place, phase: int) -> Place:
+    return place[0] - (phase & 15) / 16.0 * CELL_M, place[1] - (phase >> 4) / 16.0 * CELL_M

@@ -1,0 +1,79 @@
+"""What one robot has to tell a tag: the ground it knows round it, and where it drove."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robots.planning.plan_grid import FREE, UNKNOWN, PlanGrid
+from robots.se2 import Array
+from robots.tags.memory import (
+    CELL_M,
+    CENTRED,
+    CLOSED,
+    OPEN,
+    REACH,
+    SIDE,
+    VISITED_M,
+    VISITED_REACH,
+    TagMemory,
+    shift_of,
+)
+from robots.tags.window import no_cells, trimmed
+
+_KNOWN_SHARE = 0.5
+
+
+def observed_memory(grid: PlanGrid, tag_x: float, tag_y: float, phase: int = CENTRED) -> TagMemory:
+    """Return what a robot's plan grid (map frame, x north) knows round a tag at (x, y).
+
+    ``phase``: the lattice of its cells. A cell counts as soon as half of it is known, and is open while free
+    ground in it borders on the unknown.
+    """
+    if not grid.cells.size:
+        return TagMemory.empty()
+    known = grid.cells != UNKNOWN
+    edge = np.zeros_like(known)
+    edge[1:-1, 1:-1] = (grid.cells == FREE)[1:-1, 1:-1] & ~(
+        known[:-2, 1:-1] & known[2:, 1:-1] & known[1:-1, :-2] & known[1:-1, 2:]
+    )
+    shift = shift_of(phase)
+    x_edges = _edges(tag_x + shift[0], grid.origin[0], grid.cell_m)
+    y_edges = _edges(tag_y + shift[1], grid.origin[1], grid.cell_m)
+    full = (CELL_M / grid.cell_m) ** 2
+    seen = _sums(known, x_edges, y_edges) >= _KNOWN_SHARE * full
+    open_ = _sums(edge, x_edges, y_edges) > 0
+    cells = np.where(seen, np.where(open_, OPEN, CLOSED), 0).astype(np.uint8)
+    return TagMemory(trimmed(cells), phase=phase if cells.any() else CENTRED)
+
+
+def visited_window(trail_m: Array, tag_x: float, tag_y: float) -> NDArray[np.uint8]:
+    """Return the cells round a tag that a trail, (n, 2) or wider in the map frame, leads through.
+
+    1 where it came once, 2 where it left and came again.
+    """
+    cells = np.zeros((2 * VISITED_REACH + 1,) * 2, np.uint8)
+    at = np.rint((trail_m[:, :2] - (tag_x, tag_y)) / VISITED_M).astype(np.int64) + VISITED_REACH
+    entered = np.ones(len(at), bool)
+    entered[1:] = (at[1:] != at[:-1]).any(axis=1)
+    at = at[entered & ((at >= 0) & (at < len(cells))).all(axis=1)]
+    np.add.at(cells, (at[:, 0], at[:, 1]), 1)
+    return trimmed(np.minimum(cells, 2)) if len(at) else no_cells()
+
+
+def _edges(middle: float, origin: float, cell_m: float) -> NDArray[np.int64]:
+    """Return where the cells of a window begin and end along an axis, (SIDE + 1,), in cells of the grid."""
+    edges: NDArray[np.int64] = np.rint(
+        (middle + (np.arange(SIDE + 1) - REACH - 0.5) * CELL_M - origin) / cell_m
+    ).astype(np.int64)
+    return edges
+
+
+def _sums(held: NDArray[np.bool_], x: NDArray[np.int64], y: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return the sums of a grid (rows along y) over a window's cells (rows along x)."""
+    total = np.zeros((held.shape[0] + 1, held.shape[1] + 1), np.int64)
+    total[1:, 1:] = held.cumsum(axis=0).cumsum(axis=1)
+    x, y = np.clip(x, 0, held.shape[1]), np.clip(y, 0, held.shape[0])
+    corners = total[np.ix_(y, x)].T
+    sums: NDArray[np.int64] = corners[1:, 1:] - corners[:-1, 1:] - corners[1:, :-1] + corners[:-1, :-1]
+    return sums

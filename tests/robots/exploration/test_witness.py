@@ -1,0 +1,47 @@
+"""What a robot leaves in tags: own ground and ways, how often it passed, where it went."""
+
+import numpy as np
+
+from robots.exploration.witness import Witness
+from robots.planning.plan_grid import FREE, PlanGrid
+from robots.tags.marks import key_of
+from robots.tags.memory import CENTRED, CLOSED, TagMemory, phase_of
+from robots.tags.observed import observed_memory
+
+GRID = PlanGrid(np.full((100, 100), FREE, np.uint8), np.zeros((100, 100), np.uint8), (-5.0, -5.0), 0.1)
+TRAIL = np.array([(0.0, 0.0, 0.0, 0.0), (0.3, 0.0, 0.0, 1.0), (0.8, 0.0, 0.0, 2.0)])
+
+
+def about(witness, place=(0.0, 0.0), said=None, goal=(3.0, -2.0), now_s=0.0, tag_id="A"):
+    said = said or TagMemory.empty()
+    return witness.about(tag_id, place, said, GRID, TRAIL, goal, now_s)
+
+
+def test_it_tells_of_ground_ways_and_goal():
+    told = about(Witness("r1"))
+    assert (told.cells == CLOSED).sum() > 60
+    assert told.visited.sum() == 3
+    (passage,) = told.passes
+    assert (passage.key, passage.count, passage.goal_m) == (key_of("r1"), 1, (3.0, -2.0))
+
+
+def test_a_passage_counts_once_however_long_it_is_read_and_the_last_goal_counts():
+    witness = Witness("r1")
+    seen = [about(witness, now_s=0.5 * k, goal=(3.0 + 0.1 * k, 0.0)).passes[0] for k in range(60)]
+    assert {p.count for p in seen} == {1}
+    assert max(seen).goal_m is not None
+    assert max(seen).goal_m[0] > 6.0
+    assert about(witness, now_s=60.0).passes[0].count == 2
+    assert about(witness, now_s=60.0, tag_id="B").passes[0].count == 1
+    assert max(seen) < about(witness, now_s=90.0, goal=None).passes[0]
+
+
+def test_new_tags_get_the_lattice_of_the_first_that_told():
+    corner = (0.25, 0.75)
+    witness = Witness("r1")
+    said = observed_memory(GRID, 0.0, 0.0, phase_of(0.0, 0.0, corner))
+    assert about(witness, said=said).phase == said.phase
+    assert about(witness, place=(1.5, 0.5), tag_id="B").phase == phase_of(1.5, 0.5, corner)
+    assert about(Witness("r2"), place=(1.5, 0.5)).phase == CENTRED
+    foreign = observed_memory(GRID, 2.0, 0.0, 17)
+    assert about(witness, place=(2.0, 0.0), said=foreign).phase == 17
