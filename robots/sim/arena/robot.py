@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import hypot
 
 import numpy as np
@@ -45,7 +46,8 @@ class ArenaRobot:
     ) -> None:
         scenario = config.scenario
         self.robot_id = scenario.robot_ids[index]
-        self.scout = Scout(self.robot_id, config.agent_of(self.robot_id))
+        told = replace(config.agent_of(self.robot_id), start=(start.x, start.y, start.theta))
+        self.scout = Scout(self.robot_id, told)
         self.start = self.pose = start
         self.map = self._begin_map(ground, shared)
         self.places = BelievedPlaces(field, self.start, config.tag_error_m, (scenario.seed, 30, index))
@@ -55,6 +57,7 @@ class ArenaRobot:
         self.times_stuck = 0
         self.decision = self.scout.decision
         self._config = config
+        self._reads = self.scout.config.planning.communication != "none"
         self._world = ground.world
         self._field = field
         self._radius_m = self.scout.config.body.radius_m
@@ -65,15 +68,20 @@ class ArenaRobot:
         self._began_s = 0.0
         self._bumped = False
         self._heard: dict[str, bytes] = {}
+        self._unheard: tuple[bytes, ...] = ()  # messages of the team
         self._news_s: float | None = None  # since when something read waits for a plan
         self._planned_s = 0.0
         self._wakes_s = 0.0
         self._way: tuple[float, float, float] | None = None  # where and when it last made way
 
-    def step(self, clock_s: float, others_m: Array) -> None:
-        """Look, read tags, decide, and move on for one step; others' places (k, 2) where they count."""
+    def step(self, clock_s: float, others_m: Array, heard: tuple[bytes, ...] = ()) -> bytes | None:
+        """Look, read tags, decide, and move on for one step; return what to tell the team.
+
+        ``others_m`` (k, 2): the others' places where they count; ``heard``: what the team told.
+        """
+        self._unheard += heard
         if clock_s < self._wakes_s:
-            return
+            return None
         if self.steps == 0:
             self._began_s = clock_s
         self.steps += 1
@@ -101,16 +109,19 @@ class ArenaRobot:
                 ),
                 tags_left=self._magazine.left,
                 read=read,
+                heard=self._unheard,
                 tag_place=self.places.of,
                 tag_places=self.places.all,
             )
         )
+        self._unheard = ()
         self._handle_tags(intent)
         self.decision = intent.decision
         if self.decision.activity == "done":
             self._wakes_s = clock_s + _REST_S
         self._move(self.decision, others_m)
         self._watch(clock_s)
+        return intent.say
 
     def _begin_map(self, ground: Ground, shared: ScanMap | None) -> ScanMap:
         """Return a map in this robot's frame, of its own or with the cells of one that all share."""
@@ -129,7 +140,7 @@ class ArenaRobot:
         return max(0.0, 1.0 - (clock_s - self._began_s) / IDLE_LIFE_S - self.driven_m / DRIVE_LIFE_M)
 
     def _read(self, clock_s: float) -> tuple[TagSighting, ...]:
-        if self._config.sharing != "tags":
+        if not self._reads:
             return ()
         read = self._reader.sightings(self._before, self.pose, clock_s)
         for sighting in read:
