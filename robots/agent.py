@@ -81,7 +81,7 @@ class RobotAgent:
         return replace(self._update, victims=tuple(v for v in victims if v is not None), doubts=doubts)
 
     def report(self) -> AgentUpdate:
-        """Return the latest update with the whole graph, all submaps and all victims.
+        """Return the latest update with the whole graph, all submaps, victims and frontiers.
 
         Raises:
             ObservationError: nothing has been observed yet.
@@ -93,6 +93,7 @@ class RobotAgent:
             graph=self._slam.report(),
             submaps=self._maps.all_reports(),
             victims=self._victims.victims(),
+            frontiers=self._scout.frontiers,
         )
 
     def smoothed(self) -> AgentUpdate:

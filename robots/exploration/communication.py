@@ -18,9 +18,10 @@ from robots.exploration.gossip import Gossip
 from robots.exploration.strategy import ExplorationView, Strategy
 from robots.exploration.team_ground import tiles_of
 from robots.exploration.team_message import TeamMessageError, decode_message, encode_message
+from robots.exploration.trail import Trail
 from robots.mapping.fused import FusedGrid
 from robots.mapping.local_grid import LocalGrid
-from robots.se2 import Pose2
+from robots.se2 import Array, Pose2
 
 COMMUNICATIONS: tuple[str, ...] = get_args(get_type_hints(PlanningConfig)["communication"])
 SAY_EVERY_S = 1.0
@@ -37,16 +38,17 @@ class Communication:
         self.robot_id = robot_id
         self._config = config
         self._reach_m = min(4.0, config.mapping.max_range_m)  # of the laser, until it is known
-        self._talks = config.planning.communication in ("full", "radio")
+        self.kind: str = config.planning.communication
         self._gossip = Gossip(robot_id)
         self._mission_from_map: Pose2 | None = None
         self._said_s: float | None = None
         self._until_all = 0
+        self._trails: dict[str, Trail] = {}  # of others, in the mission frame
         self._told: list[str] = []
 
     def hear(self, now_s: float, north: bool, messages: Sequence[bytes]) -> tuple[str, ...]:
         """Take in messages; return doubts, each told once. ``north``: the map's x axis points north."""
-        if not self._talks:
+        if self.kind not in ("full", "radio"):
             return ()
         if self._mission_from_map is None:
             start = self._config.start
@@ -59,7 +61,10 @@ class Communication:
         doubts: tuple[str, ...] = ()
         for data in messages:
             try:
-                doubt = self._gossip.hear(now_s, decode_message(data))
+                message = decode_message(data)
+                doubt = self._gossip.hear(now_s, message)
+                if doubt is None and not message.station:
+                    self._trails.setdefault(message.robot_id, Trail()).note(message.stamp_s, message.pose)
             except TeamMessageError as error:
                 doubt = f"a message of the team was put aside: {error}"
             if doubt is not None:
@@ -79,6 +84,8 @@ class Communication:
         ``reach_m`` is how far the laser sees.
         """
         frame = self._mission_from_map
+        if self.kind not in ("full", "radio"):
+            return None
         if frame is None or (self._said_s is not None and now_s - self._said_s < SAY_EVERY_S):
             return None
         self._said_s, self._reach_m = now_s, min(reach_m, self._config.mapping.max_range_m)
@@ -87,8 +94,9 @@ class Communication:
             around_m, self._until_all = np.inf, _ALL_EVERY
         self._until_all -= 1
         centre = np.array([pose.x, pose.y])
-        found = tiles_of(fused, frame, centre, around_m, self._config.mapping)
-        self._gossip.ground.note(self._gossip.robot_id, found)
+        if not fused.shared:
+            found = tiles_of(fused, frame, centre, around_m, self._config.mapping)
+            self._gossip.ground.note(self._gossip.robot_id, found)
         goal = None if goal_m is None else frame.transform_point(*goal_m)
         try:
             return encode_message(self._gossip.say(now_s, now_s, frame @ pose, goal))
@@ -102,6 +110,16 @@ class Communication:
     def team(self, view: ExplorationView, strategy: Strategy, goal_m: tuple[float, float] | None) -> Team:
         """Return this robot, on its way to ``goal_m``, with the others heard lately, in its map frame."""
         return Team(self.robot_id, view, strategy, goal_m, self._mates(view.now_s), self._reach_m)
+
+    def mates_trail(self) -> Array:
+        """Return where the others were when they were heard, (m, 4) as in ``Trail``, in the map frame."""
+        if self._mission_from_map is None or not self._trails:
+            return np.zeros((0, 4))
+        points = np.concatenate([trail.points for _, trail in sorted(self._trails.items())])
+        frame = self._mission_from_map.inverse()
+        points[:, :2] = frame.transform(points[:, :2])
+        points[:, 2] += frame.theta
+        return points
 
     def _mates(self, now_s: float) -> list[Mate]:
         if self._mission_from_map is None:
@@ -121,7 +139,7 @@ class Communication:
 
         A small map that goes along with the robot stays as it is.
         """
-        if self._mission_from_map is None or isinstance(fused, LocalGrid):
+        if self._mission_from_map is None or isinstance(fused, LocalGrid) or fused.shared:
             return fused
         config = self._config
         factor = max(1, round(config.planning.cell_m / fused.resolution_m))

@@ -52,7 +52,8 @@ class Explorer:
         self.grids = SharedGrids(config, communication)
         self.trail = Trail()
         self.homing = Homing(config.planning, config.body)
-        self.errands = Errands(Methods(explore=config.planning.explore))
+        told = config.planning
+        self.errands = Errands(Methods(told.explore, told.coordinate, told.communication))
         self.goals = Goals(config.planning, communication)
         self._suspects = Suspects()
         self._recovery = Recovery(config.planning.stuck_after_s)
@@ -88,9 +89,8 @@ class Explorer:
     def take(self, order: RobotOrder, tags_left: int) -> None:
         """Take an operator's order; see ``order_reports`` for what becomes of it."""
         self.errands.take(order, tags_left)
-        strategy, self.errands.new_strategy = self.errands.new_strategy, None
-        if strategy is not None:
-            self.goals.strategy = strategy
+        changed, self.errands.changed = self.errands.changed, Methods()
+        self.goals.change(changed)
         if order.kind not in ("methods", "drop_tag"):
             self._giving_way_until_s = None
         self.replan()

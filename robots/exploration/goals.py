@@ -9,10 +9,13 @@ from math import hypot
 from robots.config import ConfigError, PlanningConfig
 from robots.exploration.communication import Communication
 from robots.exploration.coordination import coordination_of
+from robots.exploration.coordination.original import ways_planned_alone
+from robots.exploration.coordination.team import SAME_GOAL_M, Selfish, Team
 from robots.exploration.frontiers import Frontier, find_frontiers, find_shut_off
 from robots.exploration.ground import Ground
 from robots.exploration.strategies import STRATEGIES
 from robots.exploration.strategy import AnswersTags, ExplorationView, KeepsGoals, OwnCandidates, Strategy
+from robots.orders import Methods
 from robots.planning.travel import UNREACHED
 from robots.types import FrontierReport
 
@@ -62,7 +65,17 @@ class Goals:
         self.reports: tuple[FrontierReport, ...] = ()
         self.view: ExplorationView | None = None  # at the last choice, where the strategy answers tags by it
         self._why = ""
+        self._planned = 0
         self._aside: list[_Aside] = []
+
+    def change(self, methods: Methods) -> None:
+        """Go on by other methods; an empty name leaves one as it is. Names are known ones."""
+        if methods.explore:
+            self.strategy = strategy_of(methods.explore)
+        if methods.coordinate:
+            self.coordination = coordination_of(methods.coordinate)
+        if methods.communication:
+            self._communication.kind = methods.communication
 
     def put_aside(self, goal_m: tuple[float, float], now_s: float) -> None:
         """Leave a goal (map frame) for a while: being there did not help. Every time for longer."""
@@ -71,7 +84,7 @@ class Goals:
             known = _Aside(*goal_m, until_s=0.0, tries=0)
             self._aside.append(known)
         known.tries += 1
-        known.until_s = now_s + (*_ASIDE_S, _FORGOTTEN_S)[known.tries - 1]
+        known.until_s = now_s + (*_ASIDE_S, _FORGOTTEN_S)[min(known.tries, _TRIES) - 1]
         self.goal_m = None
 
     def waiting(self, frontiers: Sequence[Frontier], now_s: float) -> float | None:
@@ -101,19 +114,34 @@ class Goals:
         The old goal is kept while its frontier is still there and nothing much better has come up; by a
         strategy that keeps its goals until the robot is there.
         """
-        view = self._with_candidates(view)
-        self.view = view if isinstance(self.strategy, AnswersTags) else None
-        if not view.frontiers:
-            return None
         kept = self._kept(view)
         if kept is not None:
             return kept
+        view = self._with_candidates(replace(view, mates_trail=self._communication.mates_trail()))
+        self.view = view if isinstance(self.strategy, AnswersTags) else None
+        if not view.frontiers:
+            return None
         goal_m = None if isinstance(self.strategy, KeepsGoals) else self.goal_m
         team = self._communication.team(view, self.strategy, goal_m)
         best = self.coordination.choose(team)
+        self._planned += self._ways_planned(team, view.frontiers[best])
         self.reports = _reports(view.frontiers, [float(worth) for worth in team.own], best)
         self._why = self.strategy.reason(view, best)
         return Choice(view.frontiers[best], self._why)
+
+    def take_planned(self) -> int:
+        """Return how many ways were planned to choose goals since this was last asked (Amigoni 2013, 3.3)."""
+        planned, self._planned = self._planned, 0
+        return planned
+
+    def _ways_planned(self, team: Team, chosen: Frontier) -> int:
+        if isinstance(self.strategy, KeepsGoals):
+            return ways_planned_alone(team) if isinstance(self.coordination, Selfish) else team.planned
+        goal = self.goal_m
+        same = (
+            goal is not None and hypot(goal[0] - chosen.goal_m[0], goal[1] - chosen.goal_m[1]) < SAME_GOAL_M
+        )
+        return 0 if same else len(team)  # one flood of the map from each robot
 
     def _kept(self, view: ExplorationView) -> Choice | None:
         """Return the goal that the robot is on its way to where its strategy decides on arrival alone."""

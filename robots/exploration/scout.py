@@ -98,12 +98,12 @@ class Scout:
         self._witness = Witness(robot_id)
         self._local: LocalGrid | None = None
         self.decision = Decision(0.0, 0.0, "starting", "waiting for the first scan")
-        self._told: tuple[FrontierReport, ...] = ()
-        self._told_s = -inf
+        self.frontiers: tuple[FrontierReport, ...] = ()
+        self._frontiers_s = -inf
 
     @property
     def _tags_talk(self) -> bool:
-        return self.config.planning.communication != "none"
+        return self._communication.kind != "none"
 
     @property
     def tags_left(self) -> int:
@@ -127,9 +127,9 @@ class Scout:
     def take_frontiers(self, stamp_s: float) -> tuple[FrontierReport, ...] | None:
         """Return the edges it could go to where they changed since this was last asked, once a second."""
         frontiers = self.explorer.frontiers
-        if frontiers == self._told or stamp_s < self._told_s + _TELL_EVERY_S:
+        if frontiers == self.frontiers or stamp_s < self._frontiers_s + _TELL_EVERY_S:
             return None
-        self._told, self._told_s = frontiers, stamp_s
+        self.frontiers, self._frontiers_s = frontiers, stamp_s
         return frontiers
 
     def step(self, now: Situation) -> Intent:

@@ -23,7 +23,8 @@ class ExplorationView:
     The robot's pose, its reachable frontiers, nearest first, and what is unknown, to it and to those whose
     word it has read in tags. ``grid`` and ``costs`` int32 (h, w): the plan grid, and what driving to each of
     its cells costs in fifths of a cell (UNREACHED where it cannot). ``trail`` (k, 4): x, y, heading, stamp of
-    where it was, oldest first; ``path_m`` (n, 2): the rest of its way to its last goal; ``tags``: all that it
+    where it was, oldest first, ``mates_trail`` (m, 4) of where others
+    were that were heard; ``path_m`` (n, 2): the rest of its way to its last goal; ``tags``: all that it
     read, ``base_m`` where reports go; ``battery`` 1 full, 0 empty.
     """
 
@@ -36,6 +37,7 @@ class ExplorationView:
     trail: Array = field(default_factory=lambda: np.zeros((0, 4)))
     path_m: Array = field(default_factory=lambda: np.zeros((0, 2)))
     tags: tuple[KnownTag, ...] = ()
+    mates_trail: Array = field(default_factory=lambda: np.zeros((0, 4)))
     base_m: tuple[float, float] = (0.0, 0.0)
     battery: float = 1.0
     settings: PlanningConfig = field(default_factory=PlanningConfig)

@@ -236,25 +236,23 @@ def _overlay(
     occupied: int,
     free: int,
 ) -> None:
-    for row in range(cells.shape[0] // factor):
-        for column in range(cells.shape[1] // factor):
-            mx = origin_x + (column + 0.5) * factor * resolution
-            my = origin_y + (row + 0.5) * factor * resolution
-            u = floor((c * mx - s * my + x) / LATTICE_CELL_M)
-            v = floor((s * mx + c * my + y) / LATTICE_CELL_M)
-            r, k = v // TILE_CELLS, u // TILE_CELLS
-            if r < 0 or k < 0 or r >= index.shape[0] or k >= index.shape[1] or index[r, k] < 0:
-                continue
-            told = votes[index[r, k], v % TILE_CELLS, u % TILE_CELLS]
-            if told == 0:
-                continue
+    rows, columns = index.shape[0] * TILE_CELLS, index.shape[1] * TILE_CELLS
+    for row in range(0, cells.shape[0] - factor + 1, factor):
+        for column in range(0, cells.shape[1] - factor + 1, factor):
             known = False
-            for b in range(row * factor, (row + 1) * factor):
-                for a in range(column * factor, (column + 1) * factor):
+            for b in range(row, row + factor):
+                for a in range(column, column + factor):
                     known = known or cells[b, a] >= occupied or cells[b, a] <= -free
             if known:
                 continue
-            value = occupied if (told >> 8) > (told & 255) else -free
-            for b in range(row * factor, (row + 1) * factor):
-                for a in range(column * factor, (column + 1) * factor):
-                    cells[b, a] = value
+            for b in range(row, row + factor):
+                for a in range(column, column + factor):
+                    mx, my = origin_x + (a + 0.5) * resolution, origin_y + (b + 0.5) * resolution
+                    u = floor((c * mx - s * my + x) / LATTICE_CELL_M)
+                    v = floor((s * mx + c * my + y) / LATTICE_CELL_M)
+                    if u < 0 or v < 0 or u >= columns or v >= rows:
+                        continue
+                    slot = index[v // TILE_CELLS, u // TILE_CELLS]
+                    told = 0 if slot < 0 else votes[slot, v % TILE_CELLS, u % TILE_CELLS]
+                    if told != 0:
+                        cells[b, a] = occupied if (told >> 8) > (told & 255) else -free

@@ -31,6 +31,8 @@ class FusedGrid:
     Cell (0, 0) has its lower left corner at ``origin`` (x, y) in metres.
     """
 
+    shared = False  # whether the cells are everybody's, as in experiments with one map
+
     def __init__(self, resolution_m: float) -> None:
         self.resolution_m = resolution_m
         self.cells: NDArray[np.int32] = np.zeros((0, 0), np.int32)

@@ -31,7 +31,7 @@ class TeamRadio:
         self._config = config
         self._world = world
         self._kinds = [config.agent_of(name).planning.communication for name in config.robot_ids]
-        self._talks = any(kind in ("full", "radio") for kind in self._kinds)
+        self.talks = any(kind in ("full", "radio") for kind in self._kinds)
         self._base_m = base_m
         self._station = Gossip(BASE, station=True)
         self._station_due_s = 0.0
@@ -53,7 +53,7 @@ class TeamRadio:
 
     def take(self, index: int, poses: Array, clock_s: float) -> tuple[bytes, ...]:
         """Return what a robot has heard since this was last asked."""
-        if not self._talks:
+        if not self.talks:
             return ()
         self._station_speaks(poses, clock_s)
         heard, self._waiting[index] = tuple(self._waiting[index]), []
@@ -61,7 +61,7 @@ class TeamRadio:
 
     def known_at_base(self, observable: Mask) -> float | None:
         """Return which share of what can be seen the base has been told of; None where nobody tells it."""
-        if not self._talks:
+        if not self.talks:
             return None
         cells, (x, y) = self._station.ground.cells()
         rows, columns = np.nonzero(observable)

@@ -48,9 +48,9 @@ class Senders:
 
 
 def _differs(record: ObservationRecord, other: Observation) -> bool:
-    """Say whether more differs than what the server added: messages of the team."""
+    """Say whether more differs than what the server added: orders, and messages of the team."""
     kept = codec.decode(record.body, Observation)
-    return codec.encode(replace(kept, heard=other.heard)) != codec.encode(other)
+    return codec.encode(replace(kept, heard=other.heard, orders=other.orders)) != codec.encode(other)
 
 
 def _text(name: str, record: ObservationRecord, other: Observation, before: str, sender: str) -> str:

@@ -41,3 +41,16 @@ class Original:
             worths[robot, :] = NEVER  # step 5
             worths[:, frontier] = NEVER
         return int(np.argmax(team.own))
+
+
+def ways_planned_alone(team: Team) -> int:
+    """Return how many ways steps 1 to 4 plan for this robot alone ("no coordination")."""
+    me, ways = team.me, team.straight(team.me)
+    planned = np.zeros(len(ways), bool)
+    while not planned.all():
+        best = int(np.argmax(team.worths_by(me, ways)))
+        if planned[best]:
+            break
+        planned[best] = True
+        ways[best] = max(team.ways_of(me)[best], ways[best])
+    return int(planned.sum())

@@ -45,7 +45,8 @@ def safe_candidates(view: ExplorationView) -> tuple[Frontier, ...]:
     """Return the candidate locations of Amigoni 2013 section 3.1."""
     if view.grid is None or view.costs is None:
         return ()
-    grids = three_grids(view.grid, view.trail, view.settings.safe.safe_m)
+    trails = np.concatenate([view.trail, view.mates_trail])
+    grids = three_grids(view.grid, trails, view.settings.safe.safe_m)
     return find_candidates(view.grid, view.costs, grids)
 
 

@@ -92,6 +92,8 @@ class ArenaRobot:
             ahead = pose @ Pose2(self._radius_m + _FELT_M, 0.0, 0.0)
             self.map.add_obstacle(ahead.x, ahead.y, _FELT_M)
         read = self._read(clock_s)
+        if self._unheard and self._news_s is None:
+            self._news_s = clock_s
         if self._must_plan(clock_s, pose):
             self.scout.replan()
             self._planned_s, self._news_s = clock_s, None
@@ -117,6 +119,10 @@ class ArenaRobot:
         self._unheard = ()
         self._handle_tags(intent)
         self.decision = intent.decision
+        thinking_s = self._config.plan_cost_s * self.scout.explorer.goals.take_planned()
+        if thinking_s > 0.0:
+            self._wakes_s = clock_s + thinking_s
+            return intent.say
         if self.decision.activity == "done":
             self._wakes_s = clock_s + _REST_S
         self._move(self.decision, others_m)

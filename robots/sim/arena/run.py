@@ -57,7 +57,6 @@ class Arena:
         self._log = _Log()
         self._reach = int(scenario.laser.range_max_m / world.resolution_m) + 2
         self._enough = config.until * float(ground.observable.sum())
-        self._talks = any(r.scout.config.planning.communication in ("full", "radio") for r in self.robots)
         self._false_ends: set[str] = set()
         self._claimed: list[float | None] = []
 
@@ -111,7 +110,7 @@ class Arena:
         was_done = robot.decision.activity == "done"
         row, column = self.ground.world.cell(robot.pose.x, robot.pose.y)
         index = self.robots.index(robot)
-        heard = self._radio.take(index, self._poses(), self.clock_s) if self._talks else ()
+        heard = self._radio.take(index, self._poses(), self.clock_s) if self._radio.talks else ()
         said = robot.step(self.clock_s, others_m, heard)
         if said is not None:
             self._radio.say(index, said, self._poses(), self.clock_s)

@@ -78,8 +78,8 @@ def test_robots_that_know_the_same_do_the_same_and_those_that_talk_do_not():
     arena.play()
     assert np.array_equal(arena.robots[0].seen, arena.robots[1].seen)
     planning = PlanningConfig(explore="nearest", communication="full", coordinate="exclusion")
-    team = replace(team, agent_config=replace(AGENT, planning=planning))
-    talking = Arena(ArenaConfig(team, "at once", budget_m=8.0, limit_s=30.0), ground_of(team))
+    team = replace(team, map="office:150", agent_config=replace(AGENT, planning=planning))
+    talking = Arena(ArenaConfig(team, "at once", budget_m=8.0, limit_s=60.0), ground_of(team))
     talking.play()
     assert (talking.robots[0].seen != talking.robots[1].seen).mean() > 0.02
 
