@@ -23,11 +23,12 @@ class ArenaConfig:
     ``in_order``: all robots at once, or in sequence, each after the last is done or has driven ``budget_m``;
     the tags stay. ``one_map``: all write into one map and plan on it. ``reader_m``: tags are read so far off,
     by a plate over the floor, or from ``SIGHT_FROM_M`` on in line of sight; one that stays in reach is read
-    again every ``read_every_s``. ``tag_error_m``: deviation of a tag's place as each robot believes it.
-    ``collide``: whether robots stand in each other's way and view; where they do not, all of the same start
-    begin at one and the same place. ``plan_cost_s``: so long a robot stands for every way that it plans to
-    choose where to go. A run ends after ``limit_s``, when ``until`` of what can be seen was seen, or when
-    nobody has anything left to do. The score is taken when the team has driven its budgets.
+    again every ``read_every_s``; ``own_tags_only``: by the robot alone that dropped it. ``tag_error_m``:
+    deviation of a tag's place as each robot believes it. ``collide``: whether robots stand in each other's way
+    and view; where they do not, all of the same start begin at one and the same place. ``plan_cost_s``: so
+    long a robot stands for every way that it plans to choose where to go. A run ends after ``limit_s``, when
+    ``until`` of what can be seen was seen, or when nobody has anything left to do. The score is taken when
+    the team has driven its budgets.
     """
 
     scenario: ScenarioConfig
@@ -38,6 +39,7 @@ class ArenaConfig:
     until: float = 1.0
     reader_m: float = 0.3
     read_every_s: float = 2.0
+    own_tags_only: bool = False
     tag_error_m: float = 0.0
     collide: bool = False
     plan_cost_s: float = 0.0

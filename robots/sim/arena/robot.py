@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import hypot
+from math import floor, hypot
 
 import numpy as np
 
@@ -87,7 +87,8 @@ class ArenaRobot:
         self.steps += 1
         pose = Pose2(self.pose.x - self.start.x, self.pose.y - self.start.y, self.pose.theta)
         scan = self._laser.scan(self.pose, others_m, self._radius_m, self.seen)
-        self.map.add_scan(pose, scan)
+        if not self.scout.explorer.local_map_m:
+            self.map.add_scan(pose, scan)
         if self._bumped and free_ahead(scan, self._radius_m) >= 0.25:
             ahead = pose @ Pose2(self._radius_m + _FELT_M, 0.0, 0.0)
             self.map.add_obstacle(ahead.x, ahead.y, _FELT_M)
@@ -149,6 +150,8 @@ class ArenaRobot:
         if not self._reads:
             return ()
         read = self._reader.sightings(self._before, self.pose, clock_s)
+        if self._config.own_tags_only:
+            read = tuple(sighting for sighting in read if sighting.tag_id.startswith(f"{self.robot_id}-"))
         for sighting in read:
             self.places.learn(sighting.tag_id)
             known = self._heard.get(sighting.tag_id)
@@ -169,6 +172,9 @@ class ArenaRobot:
         cells, origin, cell_m = self.map.cells, self.map.origin, self.map.resolution_m
         occupied, free = config.mapping.occupied_logodds, config.mapping.miss_logodds
         x, y = decision.goal_m
+        row, column = floor((y - origin[1]) / cell_m), floor((x - origin[0]) / cell_m)
+        if cells[row, column] > -free:  # a goal on ground that others told of: their word is not checked here
+            return False
         if not edge_is_left(cells, origin, cell_m, x, y, _EDGE_WITHIN_M, occupied, free):
             return True
         return not way_is_clear(

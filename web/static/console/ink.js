@@ -196,7 +196,7 @@ function drawTags(ctx, view, store) {
   drawDoubtedTags(ctx, drawn.filter(({ tag }) => isDoubted(tag)), radius + 1.5);
   if (store.selected?.kind === "tag") drawSelected(ctx, drawn.find(({ tag }) => tag.tag_id === store.selected?.id));
   if (!isClose) return;
-  const alerted = new Set(store.layers.sensors ? [...store.alerts.values()].map((alert) => alert.tag_id) : []);
+  const alerted = new Set(store.layers.sensors ? [...store.alerts.values()].map((alert) => alert.tag_id ?? "") : []);
   const named = drawn.filter(({ tag }) => !alerted.has(tag.tag_id)); // an alert's mark has the name already
   drawTagLabels(ctx, named, radius, store.layers.sensors ? store.nodes : null);
 }

@@ -2,6 +2,7 @@
 
 import { robotColor } from "./color.js";
 import { age, ellipse, fixed, metres, percent } from "./format.js";
+import { HoldButton } from "./hold_button.js";
 import { html } from "./vendor.js";
 
 /** @import {Robot} from "./types.js" */
@@ -76,8 +77,7 @@ function RobotCard({ robot, store, stops, isCompact, onSelect }) {
       </button>
       <div class="card-stop">
         ${stop === "free"
-          ? html`<button type="button" class="stop" onClick=${() => stops.stop(id)} aria-label=${`Stop ${id}`}>
-              STOP</button>`
+          ? html`<${HoldButton} label="STOP" name=${`Stop ${id}`} kind="stop" onFire=${() => stops.stop(id)} />`
           : html`<div class=${`stop-state stop-${stop}`} role="status">${STOP_WORDS[stop]}</div>`}
       </div>
       ${robot.stopped && html`

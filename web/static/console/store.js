@@ -2,7 +2,7 @@
 
 import { BestMap } from "./best_map.js";
 
-/** @import {Alert, Annotation, ConnectionState, MapInfo, Mission, MissionEvent, Node} from "./types.js" */
+/** @import {Alert, Annotation, ConnectionState, Evacuation, MapInfo, Mission, MissionEvent, Node} from "./types.js" */
 /** @import {Me, Person, Robot, Tag, Trail, Victim} from "./types.js" */
 
 const PREFERENCES = "waymark.console";
@@ -26,6 +26,8 @@ export const LAYERS = /** @type {const} */ ({
 export class Store {
   /** @type {Mission | null} */
   mission = null;
+  /** The order to leave, while it holds. @type {Evacuation | null} */
+  evacuation = null;
   /** @type {Map<string, Robot>} */
   robots = new Map();
   /** @type {Map<string, Trail>} */
@@ -90,6 +92,7 @@ export class Store {
   clearBoard() {
     for (const map of Object.values(this.keyed)) map.clear();
     this.mission = null;
+    this.evacuation = null;
     this.links = [];
     this.map = null;
     this.best.take(null);
@@ -136,6 +139,7 @@ export class Store {
       if (value === null) this.keyed[kind].delete(id);
       else this.keyed[kind].set(id, value);
     } else if (kind === "mission") this.mission = value;
+    else if (kind === "evacuation") this.evacuation = value;
     else if (kind === "links") this.links = value?.pairs ?? [];
     else if (kind === "map") this.map = value;
     else if (kind === "best_map") this.best.take(value);

@@ -13,8 +13,8 @@
  *   robots: string[], state?: "sound" | "moved" | "cloned" | "doubtful", notice?: string}} Tag
  * @typedef {{tag_id: string, temperature_c: number | null, pressure_hpa: number | null, tilt_rad: number | null,
  *   heard_unix_s: number, robot_id: string}} Node
- * @typedef {{alert_id: string, tag_id: string, kind: string, text: string, robot_id: string,
- *   severity: "info" | "warning" | "alarm", raised_unix_s: number, over_unix_s: number | null,
+ * @typedef {{alert_id: string, kind: string, text: string, robot_id: string | null, tag_id: string | null,
+ *   victim_id: string | null, severity: "info" | "warning" | "alarm", raised_unix_s: number, over_unix_s: number | null,
  *   acknowledged_by: string, acknowledged_unix_s: number | null}} Alert
  * @typedef {{victim_id: string, x_m: number, y_m: number, covariance: number[], confidence: number, status: string,
  *   sightings: number, robots: string[], note?: string | null}} Victim
@@ -31,6 +31,7 @@
  *   victims: {victim_id: string, x_m: number, y_m: number, covariance: number[]}[]}} BestMapContent
  * @typedef {{event_id: number, unix_s: number, kind: string, text: string, robot_id?: string | null,
  *   severity: "info" | "warning" | "alarm"}} MissionEvent
+ * @typedef {{ordered: boolean, by: string, since_unix_s: number, acknowledged: {name: string, unix_s: number}[]}} Evacuation
  * @typedef {{name: string, role: string, since_unix_s: number, pages: number}} Person
  * @typedef {{name: string, role: string, login: boolean}} Me
  * @typedef {"loading" | "live" | "reconnecting" | "stale" | "none" | "failed"} ConnectionState
