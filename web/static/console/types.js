@@ -5,9 +5,16 @@
  *   stopped_all?: boolean}} Mission
  * @typedef {{robot_id: string, x_m: number, y_m: number, yaw_rad: number, covariance: number[], stamp_s: number,
  *   heard_unix_s: number | null, activity: string, reason: string, battery: number | null, tags_left: number | null,
- *   agent: string, slam?: string, stopped: boolean, link: "live" | "late" | "lost", slipping: boolean, located: boolean,
+ *   agent: string, slam?: string, methods?: Record<string, string>, stopped: boolean, link: "live" | "late" | "lost", slipping: boolean, located: boolean,
  *   explored_m2: number, distance_m: number, goal_m: [number, number] | null, path_m: [number, number][],
  *   speed_mps: number | null}} Robot
+ * @typedef {{robot_id: string, frontiers: {x_m: number, y_m: number, length_m: number, worth_m: number,
+ *   chosen: boolean}[]}} Frontiers
+ * @typedef {{order_id: string, kind: string, by: string, issued_unix_s: number, x_m: number | null, y_m: number | null,
+ *   explore: string, coordinate: string, communication: string, state: "issued" | "delivered" | "done" | "failed",
+ *   text: string}} Order
+ * @typedef {{robot_id: string, orders: Order[]}} Orders
+ * @typedef {{explore: string[], coordinate: string[], communication: string[]}} Methods
  * @typedef {{robot_id: string, points_m: [number, number][]}} Trail
  * @typedef {{tag_id: string, x_m: number, y_m: number, covariance: number[], sightings: number,
  *   robots: string[], state?: "sound" | "moved" | "cloned" | "doubtful", notice?: string}} Tag
