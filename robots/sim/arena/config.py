@@ -24,8 +24,8 @@ class ArenaConfig:
     the tags stay. ``one_map``: all write into one map and plan on it. ``reader_m``: tags are read so far off,
     by a plate over the floor, or from ``SIGHT_FROM_M`` on in line of sight; one that stays in reach is read
     again every ``read_every_s``; ``own_tags_only``: by the robot alone that dropped it. ``tag_error_m``:
-    deviation of a tag's place as each robot believes it. ``collide``: whether robots stand in each other's way
-    and view; where they do not, all of the same start begin at one and the same place. ``plan_cost_s``: so
+    deviation of a tag's place as each robot believes it. ``collide``: whether robots stand in each other's
+    way and view; where not, all of the same start begin at one and the same place. ``plan_cost_s``: so
     long a robot stands for every way that it plans to choose where to go. A run ends after ``limit_s``, when
     ``until`` of what can be seen was seen, or when nobody has anything left to do. The score is taken when
     the team has driven its budgets.
