@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from db.alerts import AlertStore
 from db.engine import Database
 from db.findings import FindingStore
 from db.graphs import GraphStore
 from db.log import LogStore
 from db.missions import MissionStore
 from db.nodes import NodeStore
+from db.orders import OrderStore
+from db.people import PeopleStore
 from db.tags import TagStore
 
 
@@ -23,7 +26,10 @@ class Store:
         self.graphs = GraphStore(database)
         self.tags = TagStore(database)
         self.nodes = NodeStore(database)
+        self.alerts = AlertStore(database)
+        self.orders = OrderStore(database)
         self.findings = FindingStore(database)
+        self.people = PeopleStore(database)
 
     @classmethod
     async def open(cls, target: str | Path) -> Store:

@@ -2,7 +2,6 @@
 
 from sqlalchemy import (
     JSON,
-    BigInteger,
     Boolean,
     Column,
     Float,
@@ -10,22 +9,12 @@ from sqlalchemy import (
     Index,
     Integer,
     LargeBinary,
-    MetaData,
     String,
     Table,
     Text,
 )
 
-metadata = MetaData(
-    naming_convention={
-        "pk": "pk_%(table_name)s",
-        "fk": "fk_%(table_name)s_%(referred_table_name)s",
-        "ix": "ix_%(table_name)s_%(column_0_name)s",
-    }
-)
-
-ID = String(100)
-NUMBER = BigInteger().with_variant(Integer(), "sqlite")
+from db.schema import ID, NUMBER, metadata
 
 
 def _of_mission() -> ForeignKeyConstraint:
@@ -137,16 +126,27 @@ alerts = Table(
     "alerts",
     metadata,
     Column("mission_id", ID, primary_key=True),
-    Column("alert_id", String(120), primary_key=True),  # kind:tag
-    Column("tag_id", ID, nullable=False),
-    Column("kind", String(20), nullable=False),  # hot | tilted | pressure
+    Column("alert_id", String(120), primary_key=True),  # kind:subject
+    Column("kind", String(20), nullable=False),
     Column("text", Text, nullable=False),
-    Column("robot_id", ID, nullable=False),
     Column("severity", String(10), nullable=False),
     Column("raised_unix_s", Float, nullable=False),
+    Column("robot_id", ID),
+    Column("tag_id", ID),
+    Column("victim_id", ID),
     Column("over_unix_s", Float),
     Column("acknowledged_by", String(200), nullable=False),
     Column("acknowledged_unix_s", Float),
+    _of_mission(),
+)
+
+evacuations = Table(
+    "evacuations",
+    metadata,
+    Column("mission_id", ID, primary_key=True),
+    Column("by", String(200), nullable=False),
+    Column("since_unix_s", Float, nullable=False),
+    Column("acknowledged", JSON, nullable=False),  # pairs of a name and a time
     _of_mission(),
 )
 
@@ -221,6 +221,25 @@ annotations = Table(
     Column("changed_unix_s", Float, nullable=False),
     Column("deleted", Boolean, nullable=False),
     _of_mission(),
+)
+
+orders = Table(
+    "orders",
+    metadata,
+    Column("mission_id", ID, primary_key=True),
+    Column("order_id", String(36), primary_key=True),
+    Column("robot_id", ID, nullable=False),
+    Column("kind", String(20), nullable=False),
+    Column("by", String(200), nullable=False),
+    Column("issued_unix_s", Float, nullable=False),
+    Column("x_m", Float),  # in the world frame
+    Column("y_m", Float),
+    Column("explore", String(40), nullable=False),
+    Column("coordinate", String(40), nullable=False),
+    Column("communication", String(40), nullable=False),
+    Column("state", String(10), nullable=False),  # issued | delivered | done | failed
+    Column("text", Text, nullable=False),
+    _of_robot(),
 )
 
 events = Table(

@@ -13,6 +13,7 @@ for.
 from __future__ import annotations
 
 import json
+import os
 import socket
 import threading
 import time
@@ -64,6 +65,7 @@ class RobotClient:
     """One robot's line to mission control.
 
     Use it from one thread at a time; only ``close`` may come from another.
+    ``token``: what mission control made for this robot, by default WAYMARK_TOKEN of the environment.
     ``timeout_s`` is for one exchange; for ``patience_s`` a request is sent again while the server is
     unreachable, busy or failing, then ClientError "unreachable" is raised. Nothing posted is lost by that:
     the next ``post`` takes it along.
@@ -77,6 +79,7 @@ class RobotClient:
         *,
         timeout_s: float = 10.0,
         patience_s: float = 30.0,
+        token: str | None = None,
         headers: dict[str, str] | None = None,
     ) -> None:
         parts = urlsplit(url)
@@ -90,6 +93,9 @@ class RobotClient:
         self._robot = f"{self._mission}/robots/{quote(robot_id, safe='')}"
         self._timeout_s, self.patience_s = timeout_s, patience_s
         self._headers = {"Content-Type": "application/json", "Accept": "application/json", **(headers or {})}
+        token = token or os.environ.get("WAYMARK_TOKEN")
+        if token:
+            self._headers["Authorization"] = f"Bearer {token}"
         self._connection: HTTPConnection | None = None
         self._answered = False  # something came over the present connection
         self._busy = threading.Lock()

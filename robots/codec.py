@@ -15,14 +15,15 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from robots import config, graph_report, se2, types
+from robots import config, graph_report, orders, scan_config, se2, types
+from robots.exploration import settings
 from robots.team import types as team_types
 
 T = TypeVar("T")
 
 _CLASSES: dict[str, type[Any]] = {
     cls.__name__: cls
-    for module in (se2, types, graph_report, config, team_types)
+    for module in (se2, types, orders, graph_report, config, scan_config, settings, team_types)
     for cls in vars(module).values()
     if isinstance(cls, type) and is_dataclass(cls) and cls.__module__ == module.__name__
 }

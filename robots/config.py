@@ -5,12 +5,14 @@ Derived values are properties beside what they derive from.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from itertools import pairwise
 from math import cos, radians, sin
+from sys import intern
 from typing import Literal
 
 from robots.exploration.settings import KleinerConfig, SafeGroundConfig, ZiparoConfig
+from robots.scan_config import LoopConfig, ScanMatchConfig
 
 
 class ConfigError(ValueError):
@@ -71,24 +73,6 @@ class ImuConfig:
 
     yaw_sd_rad: float = radians(1.0)
     yaw_drift_sd_rad: float = radians(0.16)  # of a difference over a short time
-
-
-@dataclass(frozen=True, slots=True)
-class ScanMatchConfig:
-    """Matching a scan against a local map of the most recent scans."""
-
-    local_scans: int = 25
-    insert_after_m: float = 0.25
-    insert_after_rad: float = radians(15.0)
-    max_far_fraction: float = 0.82  # Kleiner 2006 theta, as a fraction of the beams
-    max_range_m: float = 30.0
-    min_points: int = 20
-    max_correction_m: float = 0.6
-    max_correction_rad: float = radians(25.0)
-    point_sd_m: float = 0.03
-    min_overlap: float = 0.45
-    map_sd_m: float = 0.008  # error of the local map itself, over about a metre of driving
-    map_sd_rad: float = radians(0.2)
 
 
 @dataclass(frozen=True, slots=True)
@@ -181,6 +165,7 @@ class RangeSlamConfig:
     offset_lasts_s: float = 0.0  # an offset fades and comes anew within so long; 0: it stays
     outlier_share: float = 0.02  # of the ranges, which may be anything
     outlier_reach_m: float = 20.0  # over so much
+    starts_known: bool = False  # in one frame, that of all robots' maps
 
 
 @dataclass(frozen=True, slots=True)
@@ -193,21 +178,6 @@ class EkfConfig:
 
 
 @dataclass(frozen=True, slots=True)
-class LoopConfig:
-    """Loops closed by laser at tags that are seen again."""
-
-    laser: bool = True
-    reach_m: float = 4.0  # scans of so much driving before and after a sighting make up its surroundings
-    key_scan_m: float = 0.2  # one scan is kept each so far,
-    key_scan_rad: float = radians(12.0)  # or after such a turn
-    earlier_sightings: int = 3  # that a new one is matched with
-    window_m: float = 0.7  # how far off the graph may be
-    window_rad: float = radians(30.0)
-    min_overlap: float = 0.8
-    min_margin: float = 0.1
-
-
-@dataclass(frozen=True, slots=True)
 class DeploymentConfig:
     """Dropping tags (Kleiner 2006 section III)."""
 
@@ -215,6 +185,7 @@ class DeploymentConfig:
     spacing_m: float = 4.0
     side_window_m: float = 1.5
     rate_per_m: float = 1.2  # expected drops per metre where tags are wanted most
+    even_m: float = 0.0  # instead, one wherever none is known within so far (Ziparo 2007: 1 m)
 
 
 @dataclass(frozen=True, slots=True)
@@ -258,12 +229,25 @@ class PlanningConfig:
     comfort_m: float = 0.45
     replan_every_s: float = 1.0
     explore: str = "waymark"
+    coordinate: str = "none"  # how frontiers are shared out among the robots that are heard
+    communication: Literal["none", "tags", "full", "radio"] = "tags"  # who is heard, see Communication
     kleiner: KleinerConfig = field(default_factory=KleinerConfig)
     ziparo: ZiparoConfig = field(default_factory=ZiparoConfig)
     safe: SafeGroundConfig = field(default_factory=SafeGroundConfig)
     local_map_m: float = 0.0  # plan on a square of this side that goes along with the robot; 0: on the map
     min_frontier_m: float = 0.5
     stuck_after_s: float = 6.0
+    mission_s: float = 0.0  # the robot is back so long after it began; 0: the mission has no end
+    battery_per_m: float = 0.0006  # share that a metre takes, until the robot has learnt it
+    battery_reserve: float = 0.1  # what is left of it back at the base
+
+    def __post_init__(self) -> None:
+        """Make the name one with those of attributes, so that a restored snapshot is the same bytes."""
+        object.__setattr__(self, "communication", intern(self.communication))
+
+    def __reduce__(self) -> tuple[type, tuple[object, ...]]:
+        """Be pickled as a call."""
+        return PlanningConfig, tuple(getattr(self, item.name) for item in fields(self))
 
 
 @dataclass(frozen=True, slots=True)
@@ -293,5 +277,6 @@ class AgentConfig:
     # "odometry": tags are noted, the graph never solved; "ekf": a filter over tags seen from afar; "rslam":
     # particles, by ranges alone
     slam: Literal["tag-graph", "odometry", "ekf", "rslam"] = "tag-graph"
+    start: tuple[float, ...] = ()  # x, y (m), heading (rad) in the mission frame as surveyed; () unknown
     map_memory: bool = False  # leave maps of tags in the tags' memories, and use those that others left
     seed: int = 0

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robots.graph_report import GraphReport
+from robots.orders import Methods, OrderReport, RobotOrder
 from robots.se2 import Array, Pose2
 
 FloatArray32 = NDArray[np.float32]
@@ -160,6 +161,8 @@ class Observation:
     tags_left: int | None = None  # in the magazine
     bumper: bool = False  # pressed against something
     held: bool = False  # standing still by an order (STOP or hold), whatever the agent commanded
+    heard: tuple[bytes, ...] = ()  # messages of the team, see robots.exploration.team_message
+    orders: tuple[RobotOrder, ...] = ()  # of an operator, given since
 
 
 @dataclass(frozen=True, slots=True)
@@ -178,6 +181,7 @@ class Command:
     angular_radps: float = 0.0
     drop_tag: bool = False
     writes: tuple[TagWrite, ...] = ()
+    say: bytes | None = None  # a message to the team
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -216,6 +220,29 @@ class VictimEstimate:
     kind: str = "person"
 
 
+@dataclass(frozen=True, slots=True)
+class Suspect:
+    """What looked warm, but not often enough to be a victim: ``place_m`` (x, y) in the map frame."""
+
+    victim_id: str
+    place_m: tuple[float, float]
+    sightings: int
+    last_seen_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class FrontierReport:
+    """An edge of the unknown that a robot could go to: ``goal_m`` (x, y) in its map frame.
+
+    ``worth_m``: what it is worth by the robot's strategy, in metres of way; ``chosen``: it goes there.
+    """
+
+    goal_m: tuple[float, float]
+    length_m: float
+    worth_m: float
+    chosen: bool
+
+
 Activity = Literal["starting", "exploring", "returning", "holding", "stuck", "done"]
 
 
@@ -225,8 +252,9 @@ class AgentUpdate:
 
     ``pose`` and ``covariance`` (3, 3) in the map frame; ``anchor_from_base`` in the frame of pose vertex
     ``anchor``, ``anchor_from_base_covariance`` (3, 3) of it alone; ``goal_m`` and ``path_m`` (n, 2) in the
-    map frame. ``graph``, ``submaps`` and ``victims`` are given when they changed. ``doubts`` say
-    once each what is wrong with tags, ranges or maps.
+    map frame. ``graph``, ``submaps`` and ``victims`` are given when they changed, ``frontiers`` (best
+    first) with every plan that changed them. ``doubts`` say once each what is wrong with tags, ranges or
+    maps, ``orders`` what became of an operator's orders. ``methods``: those in force.
     """
 
     seq: int
@@ -249,3 +277,6 @@ class AgentUpdate:
     victims: tuple[VictimEstimate, ...] = ()
     anchor_from_base_covariance: Array | None = None
     doubts: tuple[str, ...] = ()
+    frontiers: tuple[FrontierReport, ...] | None = None
+    orders: tuple[OrderReport, ...] = ()
+    methods: Methods = field(default_factory=Methods)

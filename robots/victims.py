@@ -12,7 +12,7 @@ import numpy as np
 
 from robots.config import VictimConfig
 from robots.se2 import Array, Pose2
-from robots.types import HeatReading, VictimEstimate
+from robots.types import HeatReading, Suspect, VictimEstimate
 
 SAME_CHI2 = 11.8  # two places of one victim disagree by more 3 times in a thousand (2 degrees of freedom)
 BODY_M = 0.4  # two nearer than this are one, however sure
@@ -51,6 +51,14 @@ class VictimTracker:
     def victims(self) -> tuple[VictimEstimate, ...]:
         """Return all victims seen often enough."""
         return tuple(v for v in self._candidates if v.sightings >= self._config.min_sightings)
+
+    def suspects(self, anchors: list[Pose2]) -> tuple[Suspect, ...]:
+        """Return what was not seen often enough yet to be a victim, in the map frame."""
+        return tuple(
+            Suspect(v.victim_id, _place(v, anchors[v.anchor]), v.sightings, v.last_seen_s)
+            for v in self._candidates
+            if v.sightings < self._config.min_sightings
+        )
 
     def _covariance(self, reading: HeatReading, direction_rad: float) -> Array:
         along = self._config.range_sd_m**2
@@ -113,6 +121,10 @@ class VictimTracker:
             sightings=old.sightings + 1,
             last_seen_s=stamp_s,
         )
+
+
+def _place(victim: VictimEstimate, anchor: Pose2) -> tuple[float, float]:
+    return anchor.transform_point(float(victim.position_m[0]), float(victim.position_m[1]))
 
 
 def _rotated(covariance: Array, angle_rad: float) -> Array:

@@ -11,11 +11,32 @@ from fastapi import APIRouter, FastAPI
 from db.store import Store
 from server import VERSION
 from server.agents.process import ForkServer
-from server.api import alerts, best_map, health, logs, maps, missions, robots, stream, tags, victims
+from server.api import (
+    accounts,
+    alerts,
+    best_map,
+    evacuation,
+    health,
+    logs,
+    maps,
+    missions,
+    observations,
+    orders,
+    robot_tokens,
+    robots,
+    session,
+    stream,
+    tags,
+    victims,
+)
 from server.api import annotations as annotations_api
+from server.api import audit as audit_api
 from server.errors import add_error_handlers
 from server.guard import Guard
 from server.missions import Missions
+from server.people.access import Access
+from server.people.gate import gate
+from server.people.welcome import welcome
 from server.settings import Settings
 from web.mount import mount_web
 from web.viser.scenes import Scenes
@@ -33,8 +54,11 @@ def create_app(settings: Settings) -> FastAPI:
         store = await Store.open(settings.database_target)
         forks = ForkServer()
         app.state.missions = Missions(store, forks, settings, scenes)
+        app.state.access = access = Access(store, settings.login == "off", settings.robot_token)
         app.state.started_s = time.monotonic()
         try:
+            await access.restore()
+            await welcome(access.accounts, settings)
             await forks.start()
             await app.state.missions.restore()
             yield
@@ -54,16 +78,23 @@ def create_app(settings: Settings) -> FastAPI:
         lifespan=lifespan,
     )
     add_error_handlers(app)
-    app.add_middleware(Guard, max_body_bytes=settings.max_body_bytes)
+    app.add_middleware(Guard, max_body_bytes=settings.max_body_bytes, loopback_only=settings.login == "off")
     api = APIRouter(prefix="/api/v1")
     for module in (
         health,
+        session,
+        accounts,
+        robot_tokens,
+        audit_api,
         missions,
         logs,
         robots,
+        orders,
+        observations,
         tags,
         victims,
         alerts,
+        evacuation,
         annotations_api,
         maps,
         best_map,
@@ -71,5 +102,5 @@ def create_app(settings: Settings) -> FastAPI:
     ):
         api.include_router(module.router)
     app.include_router(api)
-    mount_web(app, scenes)
+    mount_web(app, (scenes, gate))
     return app

@@ -11,6 +11,7 @@ from starlette.exceptions import HTTPException
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from server.errors import error_response
+from server.settings import is_loopback
 
 _DRAIN_BODIES, _DRAIN_S = 16, 10.0  # how much of a body that is refused is read, as a multiple of the limit
 _SAFE = {"GET", "HEAD", "OPTIONS"}
@@ -22,20 +23,43 @@ def is_same_origin(headers: Headers) -> bool:
     return origin is None or urlsplit(origin).netloc == headers.get("host")
 
 
-class Guard:
-    """ASGI middleware that refuses bodies over a limit, announced or not, and changes by foreign pages."""
+def _host(headers: Headers) -> str:
+    """Return the name by which the server was asked for, without the port."""
+    return urlsplit(f"//{headers.get('host', '')}").hostname or ""
 
-    def __init__(self, app: ASGIApp, max_body_bytes: int) -> None:
+
+class Guard:
+    """ASGI middleware that refuses bodies over a limit, announced or not, and changes by foreign pages.
+
+    With ``loopback_only`` it also refuses every other name of this machine: a foreign page whose own name
+    was made to lead here (DNS rebinding) would count as ours.
+    """
+
+    def __init__(self, app: ASGIApp, max_body_bytes: int, loopback_only: bool) -> None:
         self._app = app
+        self._loopback_only = loopback_only
         self._limit = max_body_bytes
         self._too_large = f"The body is larger than {max_body_bytes} bytes; send it in several requests."
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Refuse the request, or pass it on."""
-        if scope["type"] != "http":
+        if scope["type"] == "lifespan":
             await self._app(scope, receive, send)
             return
         headers = Headers(scope=scope)
+        if self._loopback_only and not is_loopback(_host(headers)):
+            message = (
+                "Nobody logs in here, so only 127.0.0.1 and localhost are answered; open the console there."
+            )
+            if scope["type"] == "websocket":
+                await receive()
+                await send({"type": "websocket.close", "code": 1008, "reason": message})
+                return
+            await error_response(403, "foreign_host", message)(scope, receive, send)
+            return
+        if scope["type"] != "http":
+            await self._app(scope, receive, send)
+            return
         if scope["method"] not in _SAFE and not is_same_origin(headers):
             message = "Only this server's own pages may change a mission; open the console from this server."
             await error_response(403, "foreign_origin", message)(scope, receive, send)

@@ -14,7 +14,7 @@ from starlette.responses import FileResponse
 from starlette.staticfiles import NotModifiedResponse
 from starlette.types import Scope
 
-from web.proxy import ScenePorts, mount_proxy
+from web.proxy import Gate, ScenePorts, mount_proxy
 
 _HERE = Path(__file__).parent
 STATIC = _HERE / "static"
@@ -86,10 +86,15 @@ class _VendorFiles(_Files):
         return super().lookup_path(name) if name else ("", None)
 
 
-def mount_web(app: FastAPI, scenes: ScenePorts | None = None, node_modules: Path = NODE_MODULES) -> None:
-    """Add /, /console, /static, /vendor, /favicon.ico and, given the running 3D scenes, /viser to the app.
+def mount_web(
+    app: FastAPI,
+    viser: tuple[ScenePorts, Gate] | None = None,
+    node_modules: Path = NODE_MODULES,
+) -> None:
+    """Add the pages, /static, /vendor, /favicon.ico and, if given, /viser to the app.
 
-    ``scenes`` tells the loopback port of a mission's viser server; ``node_modules`` is npm's folder.
+    ``viser``: what tells the loopback port of a mission's viser server, and who may see it;
+    ``node_modules`` is npm's folder.
     """
 
     async def console(request: Request) -> Response:
@@ -97,16 +102,25 @@ def mount_web(app: FastAPI, scenes: ScenePorts | None = None, node_modules: Path
             return HTMLResponse(_MISSING_PAGE, status_code=503, headers=dict(SECURITY_HEADERS))
         return _page(request, STATIC / "console" / "index.html")
 
+    async def door(request: Request) -> Response:
+        return _page(request, STATIC / "door" / "index.html")
+
+    async def people(request: Request) -> Response:
+        return _page(request, STATIC / "people" / "index.html")
+
     async def icon(request: Request) -> Response:
         return _page(request, STATIC / "logo.svg")
 
     for address in ("/", "/console"):
         app.add_api_route(address, console, methods=["GET", "HEAD"], include_in_schema=False)
+    for address in ("/login", "/join"):
+        app.add_api_route(address, door, methods=["GET", "HEAD"], include_in_schema=False)
+    app.add_api_route("/people", people, methods=["GET", "HEAD"], include_in_schema=False)
     app.add_api_route("/favicon.ico", icon, methods=["GET", "HEAD"], include_in_schema=False)
     app.mount("/static", _Files(directory=STATIC), name="static")
     app.mount("/vendor", _VendorFiles(directory=node_modules, check_dir=False), name="vendor")
-    if scenes is not None:
-        mount_proxy(app, scenes)
+    if viser is not None:
+        mount_proxy(app, *viser)
 
 
 def _page(request: Request, path: Path) -> Response:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import asyncio
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Protocol
 from urllib.parse import urlsplit
 
@@ -18,6 +18,7 @@ import msgspec
 import websockets
 from fastapi import FastAPI, Request, WebSocket
 from fastapi.responses import FileResponse, PlainTextResponse, RedirectResponse, Response
+from starlette.requests import HTTPConnection
 from starlette.websockets import WebSocketDisconnect
 from websockets.asyncio.client import ClientConnection
 
@@ -58,11 +59,17 @@ class ScenePorts(Protocol):
         """Return the port, or None when the mission has no scene."""
 
 
-def mount_proxy(app: FastAPI, scenes: ScenePorts) -> None:
+Gate = Callable[[HTTPConnection, str], asyncio.Event | None]
+"""Whether a connection may see a mission: None where not, else what is set once it may no more."""
+
+
+def mount_proxy(app: FastAPI, scenes: ScenePorts, gate: Gate) -> None:
     """Add the page and the socket of every mission's 3D scene under /viser."""
     viewers: Counter[str] = Counter()
 
     async def page(request: Request, mission_id: str) -> Response:
+        if gate(request, mission_id) is None:
+            return PlainTextResponse("Log in first, then open the console again.\n", status_code=401)
         if scenes.port(mission_id) is None:
             return PlainTextResponse(
                 "This mission has no 3D scene. Open the console and choose a running mission.\n",
@@ -75,7 +82,8 @@ def mount_proxy(app: FastAPI, scenes: ScenePorts) -> None:
 
     async def socket(websocket: WebSocket, mission_id: str) -> None:
         port = scenes.port(mission_id)
-        if port is None or not same_origin(websocket.headers):
+        over = gate(websocket, mission_id)
+        if port is None or over is None or not same_origin(websocket.headers):
             await websocket.close(1008)  # before accept: the browser sees 403
             return
         if viewers[mission_id] >= MAX_VIEWERS_PER_MISSION:
@@ -83,7 +91,7 @@ def mount_proxy(app: FastAPI, scenes: ScenePorts) -> None:
             return
         viewers[mission_id] += 1
         try:
-            await _pass_on(websocket, port)
+            await _pass_on(websocket, port, over)
         finally:
             viewers[mission_id] -= 1
 
@@ -100,8 +108,8 @@ def same_origin(headers: Mapping[str, str]) -> bool:
     return origin is None or urlsplit(origin).netloc == headers.get("host")
 
 
-async def _pass_on(websocket: WebSocket, port: int) -> None:
-    """Join the browser's socket with viser's until either side ends."""
+async def _pass_on(websocket: WebSocket, port: int, over: asyncio.Event) -> None:
+    """Join the browser's socket with viser's until either side ends, or whoever looks has been logged out."""
     try:
         upstream = await websockets.connect(
             f"ws://127.0.0.1:{port}",
@@ -118,6 +126,7 @@ async def _pass_on(websocket: WebSocket, port: int) -> None:
         pumps = {
             asyncio.create_task(_to_browser(upstream, websocket)),
             asyncio.create_task(_to_viser(websocket, upstream)),
+            asyncio.create_task(_set(over)),
         }
         try:
             await asyncio.wait(pumps, return_when=asyncio.FIRST_COMPLETED)
@@ -126,7 +135,12 @@ async def _pass_on(websocket: WebSocket, port: int) -> None:
                 pump.cancel()
             await asyncio.gather(*pumps, return_exceptions=True)
     if websocket.client_state.name == "CONNECTED" and websocket.application_state.name == "CONNECTED":
-        await websocket.close(1012)  # "service restart": the page tries again by itself
+        # "service restart": the page tries again by itself; "policy violation" when logged out
+        await websocket.close(1008 if over.is_set() else 1012)
+
+
+async def _set(event: asyncio.Event) -> None:
+    await event.wait()
 
 
 async def _to_browser(upstream: ClientConnection, websocket: WebSocket) -> None:

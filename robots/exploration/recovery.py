@@ -9,13 +9,14 @@ from numpy.typing import NDArray
 
 from robots.planning.plan_grid import PlanGrid
 from robots.planning.travel import UNREACHED
-from robots.se2 import Pose2, wrap
+from robots.se2 import Array, Pose2, wrap
 
 _PROGRESS_M, _PROGRESS_RAD = 0.15, 0.5
 _BACK_OFF_S = 1.4
 _BACK_OFF_MPS, _BACK_OFF_RADPS = -0.15, 0.6
 _OPEN_STEP = 5  # cost of a cell with nothing near
 _ASIDE_FROM_M, _ASIDE_TO_M = 1.0, 5.0  # how far to go to give way
+_BLOCKED_S, _BLOCKED_RADIUS_M = 40.0, 0.35
 _REPEATED_S = 25.0  # stuck again so soon: backing off a little does not help here
 
 
@@ -72,6 +73,27 @@ class Recovery:
     def forget(self) -> None:
         """Begin to count anew."""
         self._times = []
+
+
+class Blocked:
+    """Ground that could not be driven, left alone for a while (map frame)."""
+
+    def __init__(self) -> None:
+        self._places: list[tuple[float, float, float]] = []  # x, y, until
+
+    def add(self, place: tuple[float, float], now_s: float) -> None:
+        """Leave a place alone from now on."""
+        self._places.append((*place, now_s + _BLOCKED_S))
+
+    def clear(self) -> bool:
+        """Try all of it again; say whether there was any."""
+        before, self._places = self._places, []
+        return bool(before)
+
+    def discs(self, now_s: float) -> Array:
+        """Return what is left alone now, (n, 3): x, y, radius."""
+        self._places = [place for place in self._places if place[2] > now_s]
+        return np.array([(x, y, _BLOCKED_RADIUS_M) for x, y, _ in self._places]).reshape(-1, 3)
 
 
 def place_ahead(pose: Pose2, distance_m: float) -> tuple[float, float]:

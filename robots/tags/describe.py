@@ -33,6 +33,7 @@ def describe(memory: TagMemory) -> dict[str, Any]:
                 {"tag_id": b.tag_id, **{name: getattr(b, name) for name in _NUMBERS}} for b in each.beliefs
             ],
         }
+        | ({"frame": list(each.frame)} if each.frame else {})
         for each in memory.maps
     ]
     victims = [
@@ -107,7 +108,8 @@ def sentences(told: dict[str, Any]) -> list[str]:
     for p in told["passes"]:
         goal = p["goal_north_m"], p["goal_west_m"]
         went = f", last on its way to a place {_way(*goal)}" if any(goal) else ""
-        said.append(f"Robot {p['key']:04x} passed here {p['count']} times{went}.")
+        times = "once" if p["count"] == 1 else f"{p['count']} times"
+        said.append(f"Robot {p['key']:04x} passed here {times}{went}.")
     driven = sum(cell != "." for cell in "".join(told["visited"]))
     if driven:
         said.append(f"Robots drove through {driven} cells of 0.4 m round it.")
@@ -159,7 +161,8 @@ def _order(told: Any) -> tuple[int, int]:
 
 def _map(told: Any) -> WriterMap:
     beliefs = (TagBelief(str(t["tag_id"]), *(float(t[name]) for name in _NUMBERS)) for t in told["tags"])
-    return WriterMap(str(told["robot_id"]), int(told["revision"]), tuple(beliefs))
+    frame = tuple(float(number) for number in told.get("frame", ()))
+    return WriterMap(str(told["robot_id"]), int(told["revision"]), tuple(beliefs), frame)
 
 
 def _number(value: Any, least: int, most: int, name: str = "") -> int:

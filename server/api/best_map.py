@@ -6,16 +6,23 @@ from typing import Annotated
 
 from fastapi import APIRouter, Header, Response
 
-from server.api.common import ERRORS, OneMission
+from server.api.common import ERRORS, READS, OneMission, Operator
 from server.api.maps import PNG, picture
 from server.errors import ApiError
+from server.people.audit import AuditedRoute
 from server.schemas.best_map import BestMapOut, BestMapStateOut
 
-router = APIRouter(prefix="/missions/{mission_id}", tags=["map"], responses=ERRORS)
+router = APIRouter(
+    prefix="/missions/{mission_id}",
+    tags=["map"],
+    responses=ERRORS,
+    dependencies=READS,
+    route_class=AuditedRoute,
+)
 
 
 @router.post("/best-map", status_code=202, summary="Ask for the best map", operation_id="make_best_map")
-async def make_best_map(mission: OneMission) -> BestMapStateOut:
+async def make_best_map(mission: OneMission, by: Operator) -> BestMapStateOut:
     """Have everything that robots recorded solved at once, with loops closed wherever they came by again.
 
     Takes seconds to minutes in a process of its own, while the live map goes on. Whoever asks meanwhile

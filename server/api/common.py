@@ -2,15 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Annotated, Any
 
 from fastapi import Depends, Path, Request
+from starlette.requests import HTTPConnection
 
+from db.people_records import Role
+from server.errors import ApiError
 from server.mission.mission import Mission
 from server.missions import Missions
+from server.people.access import Access
+from server.people.actor import Actor
+from server.people.audit import Change
 from server.schemas.common import ErrorWire
 
 ERRORS: dict[int | str, dict[str, Any]] = {
+    401: {"model": ErrorWire, "description": "Log in first, or show a robot's token."},
+    403: {"model": ErrorWire, "description": "Your role, or the robot's token, is not for this."},
     404: {"model": ErrorWire, "description": "There is no such thing."},
     409: {"model": ErrorWire, "description": "It contradicts what is there."},
     413: {"model": ErrorWire, "description": "The body is too large."},
@@ -35,3 +44,61 @@ def _mission(
 
 
 OneMission = Annotated[Mission, Depends(_mission)]
+
+
+def access_of(connection: HTTPConnection) -> Access:
+    """Return the door of this application."""
+    access: Access = connection.app.state.access
+    return access
+
+
+TheAccess = Annotated[Access, Depends(access_of)]
+
+
+def _actor(connection: HTTPConnection, access: TheAccess) -> Actor:
+    actor = access.actor_of(connection)
+    connection.state.actor = actor  # for the audit log
+    return actor
+
+
+def needs(role: Role, *, robots: bool = False) -> Callable[..., Actor]:
+    """Return a dependency that lets in who has this role or one above, and with ``robots`` robots too."""
+
+    def check(connection: HTTPConnection, actor: Annotated[Actor, Depends(_actor)]) -> Actor:
+        mission_id, robot_id = (connection.path_params.get(name) for name in ("mission_id", "robot_id"))
+        if actor.is_robot:
+            if not (robots or role == "viewer"):
+                raise ApiError(403, "not_for_robots", f"A robot's token is not for this; {_ASK[role]}.")
+            if not actor.is_for(mission_id, robot_id):
+                message = "This token is for another mission or robot; ask a commander for one for this."
+                raise ApiError(403, "other_scope", message)
+        elif not actor.may(role):
+            message = f"This is for the role {role} and above, and yours is {actor.role}; {_ASK[role]}."
+            raise ApiError(403, "role_too_low", message)
+        return actor
+
+    check.role, check.robots = role, robots  # type: ignore[attr-defined]
+    return check
+
+
+_ASK: dict[Role, str] = {
+    "viewer": "log in",
+    "responder": "ask a commander for a role",
+    "operator": "ask an operator to do it, or a commander for the role",
+    "commander": "ask a commander to do it",
+}
+READS = [Depends(needs("viewer"))]
+"""What every router of a mission asks for, whatever its routes ask for besides."""
+Responder = Annotated[Actor, Depends(needs("responder"))]
+Operator = Annotated[Actor, Depends(needs("operator"))]
+Commander = Annotated[Actor, Depends(needs("commander"))]
+RobotOrOperator = Annotated[Actor, Depends(needs("operator", robots=True))]
+
+
+def change_of(request: Request) -> Change:
+    """Return what the audit log will say of the change that this request makes."""
+    request.state.change = Change()
+    return request.state.change  # type: ignore[no-any-return]
+
+
+TheChange = Annotated[Change, Depends(change_of)]

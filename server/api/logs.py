@@ -7,10 +7,17 @@ from typing import Any
 from fastapi import APIRouter
 from fastapi.responses import StreamingResponse
 
-from server.api.common import ERRORS, AllMissions, OneMission
+from server.api.common import ERRORS, READS, AllMissions, OneMission
 from server.mission_log import mission_log
+from server.people.audit import AuditedRoute
 
-router = APIRouter(prefix="/missions/{mission_id}", tags=["missions"], responses=ERRORS)
+router = APIRouter(
+    prefix="/missions/{mission_id}",
+    tags=["missions"],
+    responses=ERRORS,
+    dependencies=READS,
+    route_class=AuditedRoute,
+)
 _GZIP: dict[int | str, dict[str, Any]] = {
     200: {"content": {"application/gzip": {"schema": {"type": "string", "format": "binary"}}}}
 }

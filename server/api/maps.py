@@ -6,15 +6,22 @@ from typing import Annotated, Any
 
 from fastapi import APIRouter, Header, Response
 
-from server.api.common import ERRORS, OneMission
+from server.api.common import ERRORS, READS, OneMission
 from server.errors import ApiError
 from server.graph_wire import graph_out
 from server.map_image import MapImage
 from server.mission.mission import Mission
+from server.people.audit import AuditedRoute
 from server.schemas.findings import GraphsOut, MapOut
 from server.sharing import map_value
 
-router = APIRouter(prefix="/missions/{mission_id}", tags=["map"], responses=ERRORS)
+router = APIRouter(
+    prefix="/missions/{mission_id}",
+    tags=["map"],
+    responses=ERRORS,
+    dependencies=READS,
+    route_class=AuditedRoute,
+)
 PNG: dict[int | str, dict[str, Any]] = {
     200: {"content": {"image/png": {"schema": {"type": "string", "format": "binary"}}}},
     304: {"description": "The picture that you have is the latest."},

@@ -6,12 +6,24 @@ from typing import Annotated
 
 from fastapi import APIRouter, Query
 
-from server.api.common import ERRORS, AllMissions, OneMission
+from server.api.common import (
+    ERRORS,
+    READS,
+    AllMissions,
+    OneMission,
+    Operator,
+    Responder,
+    RobotOrOperator,
+    TheChange,
+)
 from server.mission.mission import Mission
+from server.people.audit import AuditedRoute
 from server.schemas.missions import EventOut, EventsOut, MissionIn, MissionOut, MissionsOut, StopIn, StopOut
 from server.sharing import event_value
 
-router = APIRouter(prefix="/missions", tags=["missions"], responses=ERRORS)
+router = APIRouter(
+    prefix="/missions", tags=["missions"], responses=ERRORS, dependencies=READS, route_class=AuditedRoute
+)
 
 
 @router.get("", summary="All missions", operation_id="get_missions")
@@ -21,9 +33,13 @@ async def get_missions(missions: AllMissions) -> MissionsOut:
 
 
 @router.post("", status_code=201, summary="Open a mission", operation_id="create_mission")
-async def create_mission(body: MissionIn, missions: AllMissions) -> MissionOut:
+async def create_mission(
+    body: MissionIn, missions: AllMissions, by: RobotOrOperator, change: TheChange
+) -> MissionOut:
     """Open a mission; its id is made from the name unless it is given."""
-    return _out(await missions.open(body.name, body.mission_id, body.tag_key))
+    mission = await missions.open(body.name, body.mission_id, body.tag_key)
+    change.subject = mission.mission_id
+    return _out(mission)
 
 
 @router.get("/{mission_id}", summary="One mission", operation_id="get_mission")
@@ -33,15 +49,17 @@ async def get_mission(mission: OneMission) -> MissionOut:
 
 
 @router.post("/{mission_id}/stop", summary="STOP robots", operation_id="stop_robots")
-async def stop_robots(body: StopIn, mission: OneMission) -> StopOut:
+async def stop_robots(body: StopIn, mission: OneMission, by: Responder, change: TheChange) -> StopOut:
     """Put STOP into every reply to these robots from now on, whether their agents live or not."""
-    return StopOut(stopped=await mission.stops.stop(body.robots, body.by))
+    change.subject = _whom(body)
+    return StopOut(stopped=await mission.stops.stop(body.robots, by.name))
 
 
 @router.post("/{mission_id}/resume", summary="Let robots go on", operation_id="resume_robots")
-async def resume_robots(body: StopIn, mission: OneMission) -> StopOut:
+async def resume_robots(body: StopIn, mission: OneMission, by: Operator, change: TheChange) -> StopOut:
     """Take STOP back."""
-    return StopOut(stopped=await mission.stops.resume(body.robots, body.by))
+    change.subject = _whom(body)
+    return StopOut(stopped=await mission.stops.resume(body.robots, by.name))
 
 
 @router.get("/{mission_id}/events", summary="What happened", operation_id="get_events")
@@ -53,6 +71,10 @@ async def get_events(
     """Return events, oldest first; ask again after the last event_id for more."""
     events = await mission.events.after(after, limit)
     return EventsOut(events=[EventOut(**event_value(event)) for event in events])
+
+
+def _whom(body: StopIn) -> str:
+    return "all robots" if body.robots is None else " ".join(body.robots)
 
 
 def _out(mission: Mission) -> MissionOut:

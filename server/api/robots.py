@@ -1,24 +1,30 @@
-"""Robots: how they join, and what they send."""
+"""Robots: how they join, and how they are."""
 
 from __future__ import annotations
 
 import time
+from typing import Any
 
-from fastapi import APIRouter, Request, Response
+from fastapi import APIRouter, Response
 
 from db.records import RobotRecord, StartPoseRecord
 from robots import codec
 from robots.agent import RobotAgent
 from robots.config import AgentConfig, ConfigError
 from robots.overrides import override
-from server.api.common import ERRORS, OneMission
+from server.api.common import ERRORS, READS, OneMission, RobotOrOperator, TheChange
 from server.errors import ApiError
+from server.people.audit import AuditedRoute
 from server.robot import Robot, robot_value
-from server.schemas.convert import observation_from_wire
 from server.schemas.missions import RobotIn, RobotOut, RobotsOut, SilenceWire, StartPoseWire
-from server.schemas.observations import BatchIn, BatchOut
 
-router = APIRouter(prefix="/missions/{mission_id}/robots", tags=["robots"], responses=ERRORS)
+router = APIRouter(
+    prefix="/missions/{mission_id}/robots",
+    tags=["robots"],
+    responses=ERRORS,
+    dependencies=READS,
+    route_class=AuditedRoute,
+)
 
 
 @router.get("", summary="The robots of a mission", operation_id="get_robots")
@@ -28,8 +34,14 @@ async def get_robots(mission: OneMission) -> RobotsOut:
 
 
 @router.post("", status_code=201, summary="Join a mission", operation_id="register_robot")
-async def register_robot(body: RobotIn, mission: OneMission, response: Response) -> RobotOut:
+async def register_robot(
+    body: RobotIn, mission: OneMission, response: Response, by: RobotOrOperator, change: TheChange
+) -> RobotOut:
     """Register a robot. The same words again are a re-join (200) and tell at which seq to go on."""
+    if not by.is_for(mission.mission_id, body.robot_id):
+        message = f"This token is not for {body.robot_id}; ask a commander for one for it."
+        raise ApiError(403, "other_scope", message, "robot_id")
+    change.subject = body.robot_id
     start = body.start_pose
     record = RobotRecord(
         mission_id=mission.mission_id,
@@ -53,23 +65,13 @@ async def get_robot(robot_id: str, mission: OneMission) -> RobotOut:
     return _out(mission.roster.get(robot_id))
 
 
-@router.post("/{robot_id}/observations", summary="Send observations", operation_id="post_observations")
-async def post_observations(robot_id: str, body: BatchIn, mission: OneMission, request: Request) -> BatchOut:
-    """Take in a batch, ordered by seq, and answer with the next order.
-
-    What was accepted is saved before the agent sees it. Known seqs are counted as duplicates and change
-    nothing, but an event tells where one differs from what is known; a gap is refused with the seq that is
-    expected.
-    """
-    batch = [observation_from_wire(observation) for observation in body.observations]
-    sender = request.client.host if request.client is not None else "nowhere"
-    return BatchOut.model_validate(await mission.ingest(robot_id, batch, body.onboard or [], sender))
-
-
 def _config(body: RobotIn, tag_key: str) -> AgentConfig:
-    """Return the robot's configuration; its tags bear the mission's seal unless it has another key."""
+    """Return the robot's configuration: the mission's seal for tags, its surveyed start, what it asks for."""
     try:
-        config = override(override(AgentConfig(), {"tag_memory": {"key": tag_key}}), body.config)
+        known: dict[str, Any] = {"tag_memory": {"key": tag_key}}
+        if body.start_pose is not None:
+            known["start"] = [body.start_pose.x_m, body.start_pose.y_m, body.start_pose.yaw_rad]
+        config = override(override(AgentConfig(), known), body.config)
         RobotAgent(body.robot_id, config)  # a setting may name something that does not exist
     except ConfigError as error:
         field = str(error).split(" ", 1)[0].rstrip(":")

@@ -11,31 +11,43 @@ from fastapi import APIRouter, WebSocket, WebSocketDisconnect
 from server.errors import ApiError
 from server.guard import is_same_origin
 from server.missions import Missions
+from server.people.access import Access
+from server.people.actor import Actor
 
 router = APIRouter(prefix="/missions/{mission_id}")
 _PAUSE_S = 0.02  # changes are sent at most this often
 _HEARTBEAT_S = 1.0
 _SEND_S = 10.0  # who takes longer to accept a message is not reading any more
-_UNKNOWN, _FOREIGN = 4404, 4403
+_NOT_LOGGED_IN, _FOREIGN, _UNKNOWN = 4401, 4403, 4404
+_CODES = {401: _NOT_LOGGED_IN, 403: _FOREIGN, 404: _UNKNOWN}
 
 
 @router.websocket("/stream")
 async def stream(websocket: WebSocket, mission_id: str) -> None:
     """Send a snapshot, then coalesced changes, and an empty change each second as a heartbeat."""
     missions: Missions = websocket.app.state.missions
+    access: Access = websocket.app.state.access
     if not is_same_origin(websocket.headers):
         await websocket.close(_FOREIGN, "this page belongs to another server")
         return
     try:
-        board = missions.get(mission_id).board
+        actor = access.actor_of(websocket)
+        mission = missions.get(mission_id)
+        if not actor.is_for(mission_id):
+            raise ApiError(403, "other_scope", "This token is for another mission.")
     except ApiError as error:
         await websocket.accept()
-        await websocket.close(_UNKNOWN, error.message)
+        await websocket.close(_CODES[error.status], error.message)
         return
     await websocket.accept()
-    listening = asyncio.create_task(_until_closed(websocket))
+    listening = asyncio.create_task(_until_over(websocket, actor))
+    board = mission.board
     try:
-        with board.subscribe() as subscription, suppress(WebSocketDisconnect, RuntimeError, TimeoutError):
+        with (
+            mission.presence.of(actor),
+            board.subscribe() as subscription,
+            suppress(WebSocketDisconnect, RuntimeError, TimeoutError),
+        ):
             text = '{"type":"snapshot","server_unix_s":%.3f,"state":%s}'
             await _send(websocket, text % (time.time(), board.snapshot_text()))
             while not listening.done():
@@ -47,11 +59,24 @@ async def stream(websocket: WebSocket, mission_id: str) -> None:
     finally:
         listening.cancel()
         with suppress(WebSocketDisconnect, RuntimeError, TimeoutError):
-            await asyncio.wait_for(websocket.close(), 1.0)
+            code, reason = (
+                (_NOT_LOGGED_IN, "you have been logged out") if actor.over.is_set() else (1000, None)
+            )
+            await asyncio.wait_for(websocket.close(code, reason), 1.0)
 
 
 async def _send(websocket: WebSocket, text: str) -> None:
     await asyncio.wait_for(websocket.send_text(text), _SEND_S)
+
+
+async def _until_over(websocket: WebSocket, actor: Actor) -> None:
+    """Wait until the other side closes, or whoever it is has been logged out."""
+    waits = {asyncio.create_task(_until_closed(websocket)), asyncio.create_task(actor.over.wait())}
+    try:
+        await asyncio.wait(waits, return_when=asyncio.FIRST_COMPLETED)
+    finally:
+        for wait in waits:
+            wait.cancel()
 
 
 async def _until_closed(websocket: WebSocket) -> None:

@@ -6,15 +6,22 @@ from typing import Any
 
 from fastapi import APIRouter, Request, Response
 
-from robots.tags.memory import TagMemoryError
-from server.api.common import ERRORS, OneMission
+from robots.tags.memory import CELL_M, TagMemoryError
+from server.api.common import ERRORS, READS, OneMission, RobotOrOperator
 from server.errors import ApiError, unknown
 from server.mission.mission import Mission
+from server.people.audit import AuditedRoute
 from server.schemas.common import Name
-from server.schemas.findings import TagOut, TagsOut
+from server.schemas.findings import MemoryOut, TagOut, TagsOut
 from server.schemas.nodes import NodeOut
 
-router = APIRouter(prefix="/missions/{mission_id}/tags", tags=["tags"], responses=ERRORS)
+router = APIRouter(
+    prefix="/missions/{mission_id}/tags",
+    tags=["tags"],
+    responses=ERRORS,
+    dependencies=READS,
+    route_class=AuditedRoute,
+)
 _BYTES = "application/octet-stream"
 _MEMORY = {200: {"content": {_BYTES: {"schema": {"type": "string", "format": "binary"}}}}}
 
@@ -60,6 +67,15 @@ async def get_memory(tag_id: str, mission: OneMission) -> Response:
     return Response(memory, media_type=_BYTES)
 
 
+@router.get("/{tag_id}/memory/content", summary="A tag's memory in words", operation_id="get_memory_content")
+async def get_memory_content(tag_id: str, mission: OneMission) -> MemoryOut:
+    """Return what a tag's memory says of the ground round it, of victims, notes and those who passed."""
+    told = await mission.memories.told(tag_id)
+    if told is None:
+        raise unknown("tag", tag_id)
+    return MemoryOut(tag_id=tag_id, cell_m=CELL_M, memory=told[0], sentences=told[1])
+
+
 @router.post(
     "/{tag_id}/memory",
     summary="Merge a tag's memory",
@@ -73,10 +89,10 @@ async def get_memory(tag_id: str, mission: OneMission) -> Response:
         }
     },
 )
-async def merge_memory(tag_id: Name, request: Request, mission: OneMission) -> Response:
+async def merge_memory(tag_id: Name, request: Request, mission: OneMission, by: RobotOrOperator) -> Response:
     """Merge the bytes that were read from a tag with what is known of it, and return the result."""
     try:
-        merged = await mission.memories.merge(tag_id, await request.body(), "rest")
+        merged = await mission.memories.merge(tag_id, await request.body(), by.name)
     except TagMemoryError as error:
         raise ApiError(422, "invalid_memory", f"The body is no tag memory: {error}.") from error
     return Response(merged, media_type=_BYTES)

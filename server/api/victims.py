@@ -4,11 +4,19 @@ from __future__ import annotations
 
 from fastapi import APIRouter
 
-from server.api.common import ERRORS, OneMission
+from server.api.common import ERRORS, READS, OneMission, Responder, TheChange
+from server.mission.victims import judgement
+from server.people.audit import AuditedRoute
 from server.schemas.findings import VictimIn, VictimOut, VictimsOut
 from server.sharing import victim_value
 
-router = APIRouter(prefix="/missions/{mission_id}/victims", tags=["victims"], responses=ERRORS)
+router = APIRouter(
+    prefix="/missions/{mission_id}/victims",
+    tags=["victims"],
+    responses=ERRORS,
+    dependencies=READS,
+    route_class=AuditedRoute,
+)
 
 
 @router.get("", summary="All victims", operation_id="get_victims")
@@ -24,7 +32,11 @@ async def get_victim(victim_id: str, mission: OneMission) -> VictimOut:
 
 
 @router.patch("/{victim_id}", summary="Judge a victim", operation_id="judge_victim")
-async def judge_victim(victim_id: str, body: VictimIn, mission: OneMission) -> VictimOut:
+async def judge_victim(
+    victim_id: str, body: VictimIn, mission: OneMission, by: Responder, change: TheChange
+) -> VictimOut:
     """Set a victim's status; robots never change what a person said."""
-    victim = await mission.victims.judge(victim_id, body.status, body.note, body.by)
+    change.before = judgement(mission.victims.get(victim_id))
+    victim = await mission.victims.judge(victim_id, body.status, body.note, by.name)
+    change.after = judgement(victim)
     return VictimOut(**victim_value(victim))

@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from robots.config import ScanMatchConfig
 from robots.estimation.scans.matching import match_scans, reference_of
+from robots.scan_config import ScanMatchConfig
 from robots.se2 import Array, GaussianPose, Pose2, wrap
 from robots.types import LaserScan
 from server.benchmarks.scan_pairs import ScanPair, buildings, pairs

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import secrets
 import tempfile
 import time
 from contextlib import ExitStack
@@ -12,6 +13,9 @@ from typing import Annotated
 import typer
 
 from server.cli.options import (
+    Communication,
+    CommunicationOption,
+    CoordinateOption,
     EnvironmentOption,
     ExploreOption,
     Memory,
@@ -22,7 +26,7 @@ from server.cli.options import (
     TagsOption,
     finite,
 )
-from server.cli.serve import DataOption, HostOption, PortOption, address, make_settings, run_server
+from server.cli.serve import DataOption, HostOption, PortOption, make_settings, run_server
 
 
 def demo(
@@ -38,6 +42,8 @@ def demo(
     slam: SlamOption = None,
     memory: MemoryOption = Memory.NONE,
     explore: ExploreOption = "waymark",
+    coordinate: CoordinateOption = "none",
+    communication: CommunicationOption = Communication.TAGS,
     fires: Annotated[int, typer.Option(metavar="N", help="Fires; active nodes near them tell.")] = 0,
     host: HostOption = None,
     port: PortOption = None,
@@ -63,17 +69,28 @@ def demo(
             "memory": memory.value,
             "fires": fires,
             "explore": explore,
+            "coordinate": coordinate,
+            "communication": communication.value,
         }
         | ({"slam": slam} if slam else {})
     )
     with ExitStack() as stack:
         folder = data or Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="waymark-demo-")))
-        settings = make_settings(host=host, port=port, data_dir=folder, database=str(folder / "waymark.db"))
+        from server.settings import is_loopback
+
+        settings = make_settings(
+            host=host,
+            port=port,
+            data_dir=folder,
+            database=str(folder / "waymark.db"),
+            login="off" if host is None or is_loopback(host) else "on",
+            robot_token=secrets.token_urlsafe(32),
+        )
         from server.cli.team import SimulatedTeam
 
         mission = "demo" if data is None else f"demo-{int(time.time())}"
         arguments = ["--mission", mission, "--name", "Demonstration", "--speed", str(speed), *scenario]
-        stack.enter_context(SimulatedTeam(address(settings), arguments, open_browser))
+        stack.enter_context(SimulatedTeam(settings, arguments, open_browser))
         run_server(settings)
 
 

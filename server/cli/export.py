@@ -106,13 +106,15 @@ def _download(url: str, mission_id: str, write: Any) -> None:
     from http.client import HTTPException
     from urllib.error import HTTPError, URLError
     from urllib.parse import quote
-    from urllib.request import urlopen
+    from urllib.request import Request, urlopen
 
     if not url.startswith(("http://", "https://")):
         raise CommandError(f"--server {url} is not the address of a server; it begins with http://")
     address = f"{url.rstrip('/')}/api/v1/missions/{quote(mission_id, safe='')}/log"
     try:
-        with urlopen(address, timeout=60.0) as reply:
+        token = os.environ.get("WAYMARK_TOKEN")
+        headers = {"Authorization": f"Bearer {token}"} if token else {}
+        with urlopen(Request(address, headers=headers), timeout=60.0) as reply:
             while piece := reply.read(_PIECE):
                 write(piece)
     except HTTPError as error:

@@ -31,13 +31,27 @@ def serve(
     database: Annotated[
         str | None, typer.Option(metavar="FILE|URL", help="Database, where it is not a file in --data.")
     ] = None,
+    login: Annotated[
+        str | None, typer.Option(metavar="on|off", help="Off only on this machine's own address.")
+    ] = None,
+    commander_link: Annotated[
+        bool, typer.Option("--commander-link", help="Print a link for a commander, as when locked out.")
+    ] = False,
     log_level: Annotated[
         str | None, typer.Option(metavar="LEVEL", help="Least level logged: DEBUG, INFO, WARNING, ERROR.")
     ] = None,
 ) -> None:
     """Serve mission control until Ctrl-C. What is not given comes from WAYMARK_... in the environment."""
-    settings = make_settings(host=host, port=port, data_dir=data, database=database, log_level=log_level)
-    print(f"Waymark is opening at {address(settings)} (Ctrl-C ends it).", flush=True)
+    settings = make_settings(
+        host=host,
+        port=port,
+        data_dir=data,
+        database=database,
+        login=login,
+        commander_link=commander_link or None,
+        log_level=log_level,
+    )
+    print(f"Waymark is opening at {settings.address} (Ctrl-C ends it).", flush=True)
     run_server(settings)
 
 
@@ -82,12 +96,6 @@ def free_port(host: str, port: int) -> int:
         raise CommandError(
             f"cannot listen on {host} port {port} ({error.strerror}); choose another with --port"
         ) from error
-
-
-def address(settings: Settings) -> str:
-    """Return the address a browser on this machine opens."""
-    host = {"0.0.0.0": "127.0.0.1", "::": "[::1]"}.get(settings.host, settings.host)
-    return f"http://{host}:{settings.port}"
 
 
 def run_server(settings: Settings) -> None:

@@ -17,9 +17,12 @@ import webbrowser
 from collections.abc import Sequence
 from contextlib import suppress
 from types import TracebackType
-from typing import Self
+from typing import TYPE_CHECKING, Self
 
 from server.cli.console import say
+
+if TYPE_CHECKING:
+    from server.settings import Settings
 
 _LOOK_EVERY_S = 0.1
 _PATIENCE_S = 5.0  # for the team to end by itself before it is killed
@@ -32,8 +35,9 @@ class SimulatedTeam:
     opened.
     """
 
-    def __init__(self, url: str, arguments: list[str], open_browser: bool) -> None:
-        self._url = url
+    def __init__(self, settings: Settings, arguments: list[str], open_browser: bool) -> None:
+        self._url = settings.address
+        self._token = settings.robot_token or ""
         self._arguments = arguments
         self._open_browser = open_browser
         self._leaving = threading.Event()
@@ -53,7 +57,11 @@ class SimulatedTeam:
         command = [sys.executable, "-m", "server.cli.team", self._url, *self._arguments]
         # a session of its own: Ctrl-C reaches it through us, in order, and not twice
         process = subprocess.Popen(
-            command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, start_new_session=True
+            command,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.DEVNULL,
+            start_new_session=True,
+            env=os.environ | {"WAYMARK_TOKEN": self._token},
         )
         try:
             if not self._server_opens():

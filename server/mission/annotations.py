@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 from db.records import AnnotationRecord
 from db.store import Store
@@ -28,6 +29,11 @@ class Annotations:
     def all(self) -> list[AnnotationRecord]:
         """Return every annotation, oldest first."""
         return list(self._annotations.values())
+
+    def value(self, annotation_id: str) -> dict[str, Any] | None:
+        """Return an annotation as it goes over the wire; None where there is none."""
+        known = self._annotations.get(annotation_id)
+        return None if known is None else annotation_value(known)
 
     async def put(self, annotation: AnnotationRecord) -> AnnotationRecord:
         """Write an annotation and return it as it stands.

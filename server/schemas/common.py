@@ -26,12 +26,12 @@ def _is_base64(text: str) -> str:
 
 
 Name = Annotated[str, Field(min_length=1, max_length=64, pattern=NAME_PATTERN)]
-Person = Annotated[str, Field(min_length=1, max_length=200, description="Who says so.")]
 Metres = Annotated[float, Field(ge=-1e6, le=1e6)]
 Radians = Annotated[float, Field(ge=-1e4, le=1e4)]
 Seconds = Annotated[float, Field(ge=-1e12, le=1e12)]
 Share = Annotated[float, Field(ge=0.0, le=1.0)]
 Base64 = Annotated[str, Field(max_length=16_384), AfterValidator(_is_base64)]
+TeamBytes = Annotated[str, Field(max_length=44_000), AfterValidator(_is_base64)]
 Covariance = Annotated[
     list[float], Field(min_length=3, max_length=3, description="xx, xy, yy in square metres.")
 ]

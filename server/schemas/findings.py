@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Self
+from typing import Any, Self
 
 from pydantic import ConfigDict, Field, model_validator
 
 from db.records import AnnotationKind, TagState, VictimStatus
-from server.schemas.common import Covariance, Metres, Name, Person, Wire
+from server.schemas.common import Covariance, Metres, Name, Wire
 from server.schemas.nodes import NodeOut
 
 
@@ -26,6 +26,18 @@ class TagOut(Wire):
     )
     notice: str = Field(description="What is wrong with a tag that is not sound, else empty.")
     sensors: NodeOut | None = Field(None, description="What it measured last, if it is an active node.")
+
+
+class MemoryOut(Wire):
+    """What a tag's memory says."""
+
+    tag_id: str
+    cell_m: float = Field(description="Side of a cell of the window.")
+    memory: dict[str, Any] = Field(
+        description="As `waymark tag decode` tells it: `window` and `visited` have one text a row, north"
+        " first and west to the left, the tag in the middle; `.` is not seen, `o` open, `#` closed."
+    )
+    sentences: list[str] = Field(description="What it holds beside the ground, for people.")
 
 
 class TagsOut(Wire):
@@ -62,12 +74,11 @@ class VictimIn(Wire):
     """What a person says about a victim."""
 
     model_config = ConfigDict(
-        json_schema_extra={"examples": [{"status": "confirmed", "note": "answers when called", "by": "Ada"}]}
+        json_schema_extra={"examples": [{"status": "confirmed", "note": "answers when called"}]}
     )
 
     status: VictimStatus
     note: str | None = Field(None, max_length=2000, description="Replaces the earlier note; null keeps it.")
-    by: Person
 
 
 class AnnotationIn(Wire):
@@ -76,8 +87,8 @@ class AnnotationIn(Wire):
     model_config = ConfigDict(
         json_schema_extra={
             "examples": [
-                {"kind": "hazard", "text": "smell of gas", "x_m": 3.0, "y_m": -1.5, "by": "Ada"},
-                {"kind": "note", "text": "stairs go down here", "tag_id": "A4", "by": "Ben"},
+                {"kind": "hazard", "text": "smell of gas", "x_m": 3.0, "y_m": -1.5},
+                {"kind": "note", "text": "stairs go down here", "tag_id": "A4"},
             ]
         }
     )
@@ -87,7 +98,6 @@ class AnnotationIn(Wire):
     x_m: Metres | None = None
     y_m: Metres | None = None
     tag_id: Name | None = None
-    by: Person
 
     @model_validator(mode="after")
     def _has_one_place(self) -> Self:

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import ConfigDict, Field
 
 from db.records import AgentPlace, Severity, SilencePolicy
-from server.schemas.common import Metres, Name, Person, Radians, Wire
+from server.schemas.common import Metres, Name, Radians, Wire
 
 
 class MissionIn(Wire):
@@ -111,12 +111,11 @@ class RobotsOut(Wire):
 class StopIn(Wire):
     """Whom to stop, or to let go on."""
 
-    model_config = ConfigDict(json_schema_extra={"examples": [{"robots": None, "by": "Ada"}]})
+    model_config = ConfigDict(json_schema_extra={"examples": [{"robots": None}]})
 
     robots: list[Name] | None = Field(
         None, min_length=1, max_length=1000, description="Robot ids; null for all."
     )
-    by: Person
 
 
 class StopOut(Wire):

@@ -9,9 +9,10 @@ from alembic.autogenerate import compare_metadata
 from alembic.runtime.migration import MigrationContext
 from sqlalchemy import Connection
 
+from db import people_tables, tables  # noqa: F401 - they fill the metadata
 from db.engine import Database
 from db.migrations import migrate
-from db.tables import metadata
+from db.schema import metadata
 
 
 def test_migrations_make_the_tables(tmp_path: Path) -> None:

@@ -172,7 +172,7 @@ class Control:
     """A server in a thread of its own, with the settings given; ``start`` and ``stop`` as often as needed."""
 
     def __init__(self, folder: Path, **settings: Any) -> None:
-        self.settings = Settings(data_dir=folder, **settings)
+        self.settings = Settings(data_dir=folder, **{"login": "off", "reply_s": 60.0, **settings})
         self.port = 0
         self.missions: Missions
         self._server: uvicorn.Server
@@ -225,6 +225,14 @@ class Control:
     def call(self, method: str, path: str, body: object = None, **more: Any) -> httpx.Response:
         return self._client.request(method, path, json=body, **more)
 
+    def forget_cookies(self) -> None:
+        """Leave it to each call to say who it comes from."""
+        self._client.cookies.clear()
+
+    def line(self, mission_id: str) -> Line:
+        """A mission that is there already."""
+        return Line(self, mission_id)
+
     def open(self, mission_id: str | None = None, tag_key: str | None = "") -> Line:
         """A new mission."""
         mission_id = mission_id or f"m{next(_numbers)}"
@@ -241,6 +249,12 @@ def control(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Control]:
     control.start()
     yield control
     control.stop()
+
+
+@pytest.fixture(scope="session")
+def control_type() -> type[Control]:
+    """Control itself, for fixtures that outlive a test."""
+    return Control
 
 
 @pytest.fixture

@@ -24,7 +24,18 @@ def served(tmp_path, wait_until):
         probe.bind(("127.0.0.1", 0))
         port = probe.getsockname()[1]
     code = "from server.cli.main import app; app()"
-    words = [sys.executable, "-c", code, "serve", "--port", str(port), "--data", str(tmp_path)]
+    words = [
+        sys.executable,
+        "-c",
+        code,
+        "serve",
+        "--port",
+        str(port),
+        "--data",
+        str(tmp_path),
+        "--login",
+        "off",
+    ]
     process = subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
     family = []
     try:

@@ -81,7 +81,7 @@ def site(serve: Callable[[FastAPI], str]) -> Site:
         await scenes.close()
 
     app = FastAPI(lifespan=lifespan)
-    mount_web(app, scenes)
+    mount_web(app, (scenes, lambda connection, mission_id: asyncio.Event()))
     host = serve(app)
     deadline = time.monotonic() + 10
     while scenes.port("m1") is None:

@@ -14,9 +14,9 @@ from math import hypot, pi, sqrt
 
 import numpy as np
 
-from robots.config import LoopConfig
 from robots.estimation.scans.cloud_matching import Cloud, CloudMatch, Window, match_clouds
 from robots.estimation.scans.points import ScanPoints
+from robots.scan_config import LoopConfig
 from robots.se2 import Array, GaussianPose, Pose2, wrap
 from robots.types import FloatArray32
 

@@ -12,11 +12,11 @@ from math import hypot, isfinite
 
 import numpy as np
 
-from robots.config import ScanMatchConfig
 from robots.estimation.scans.alignment import correlate, covariance_of, icp, index_scan
 from robots.estimation.scans.local_map import LocalMap
 from robots.estimation.scans.nearest import MAX_POINTS, Index
 from robots.estimation.scans.points import ScanPoints, scan_points
+from robots.scan_config import ScanMatchConfig
 from robots.se2 import Array, GaussianPose, Pose2, wrap
 from robots.types import LaserScan
 

@@ -81,7 +81,7 @@ def test_an_agent_that_cannot_start_holds_up_nobody_else(tmp_path, make_control,
         assert answers(line.send(drive.wires[number], "r2")) == drive.expected(number)
     assert line.refused_post(drive.wires[10]) == (503, "agent_busy", None)
     assert line.get("/robots/r1")["next_seq"] == 44  # accepted all the same
-    line.call("POST", "/stop", {"robots": ["r1"], "by": "Ada"})
+    line.call("POST", "/stop", {"robots": ["r1"]})
     assert line.send(drive.wires[11])["stop"]
     wait_until(lambda: line.events("agent_down"))
     assert line.events("agent_down")[0]["severity"] == "alarm"
@@ -95,7 +95,7 @@ def test_a_failing_database_loses_nothing(line, drive):
         for number, wires in enumerate(drive.wires[:50]):
             assert answers(line.send(wires)) == drive.expected(number), number
         assert line.register("r2").status_code == 201
-        assert line.call("POST", "/stop", {"robots": ["r2"], "by": "Ada"}).status_code == 200
+        assert line.call("POST", "/stop", {"robots": ["r2"]}).status_code == 200
     for number, wires in enumerate(drive.wires[50:], 50):
         assert answers(line.send(wires)) == drive.expected(number), number
     tags = len(drive.agent.report().graph.tag_ids)

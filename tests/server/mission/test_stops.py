@@ -5,7 +5,7 @@ import signal
 import threading
 import time
 
-STILL = {"linear_mps": 0.0, "angular_radps": 0.0, "drop_tag": False, "writes": []}
+STILL = {"linear_mps": 0.0, "angular_radps": 0.0, "drop_tag": False, "writes": [], "say": None}
 
 
 def moving(reply):
@@ -23,7 +23,7 @@ def test_stop_and_resume(line, drive):
     """The agent goes on thinking meanwhile, and the robot goes on where it would have been."""
     replies = [line.send(wires) for wires in drive.wires[:20]]
     assert moving(replies[-1])
-    answer = line.call("POST", "/stop", {"robots": ["r1"], "by": "Ada"})
+    answer = line.call("POST", "/stop", {"robots": ["r1"]})
     assert answer.json() == {"stopped": ["r1"]}
     assert stopped(line.send(drive.wires[19]))
     reply = line.send(drive.wires[20])
@@ -31,30 +31,30 @@ def test_stop_and_resume(line, drive):
     assert reply["pose"] == drive.expected(20)["pose"]
     with line.stream() as stream:
         assert stream.state["robot/r1"]["stopped"]
-        assert line.call("POST", "/resume", {"robots": ["r1"], "by": "Ada"}).json() == {"stopped": []}
+        assert line.call("POST", "/resume", {"robots": ["r1"]}).json() == {"stopped": []}
         stream.until(lambda s: not s.state["robot/r1"]["stopped"])
     reply = line.send(drive.wires[21])
     assert {name: reply[name] for name in ("pose", "command")} == drive.expected(21)
     assert moving(reply)
-    assert [event["text"] for event in line.events("stop")] == ["STOP for r1 by Ada."]
-    assert [event["text"] for event in line.events("resume")] == ["r1 may go on, says Ada."]
+    assert [event["text"] for event in line.events("stop")] == ["STOP for r1 by operator."]
+    assert [event["text"] for event in line.events("resume")] == ["r1 may go on, says operator."]
 
 
 def test_stop_for_all_holds_for_robots_to_come(line, drive):
     line.register("r2")
-    assert line.call("POST", "/stop", {"robots": None, "by": "Ada"}).json() == {"stopped": ["r1", "r2"]}
+    assert line.call("POST", "/stop", {"robots": None}).json() == {"stopped": ["r1", "r2"]}
     assert line.register("r3").json()["stopped"]
     assert stopped(line.send(drive.wires[0], "r3"))
-    assert line.call("POST", "/resume", {"robots": ["r2"], "by": "Ada"}).json() == {"stopped": ["r1", "r3"]}
-    assert line.call("POST", "/resume", {"by": "Ada"}).json() == {"stopped": []}
+    assert line.call("POST", "/resume", {"robots": ["r2"]}).json() == {"stopped": ["r1", "r3"]}
+    assert line.call("POST", "/resume", {}).json() == {"stopped": []}
     assert not line.register("r4").json()["stopped"]
 
 
 def test_nobody_is_stopped_when_one_name_is_wrong(line):
-    body = {"robots": ["r1", "r9"], "by": "Ada"}
+    body = {"robots": ["r1", "r9"]}
     assert line.refused("POST", "/stop", body) == (404, "unknown_robot", None)
     assert not line.get("/robots/r1")["stopped"]
-    assert line.refused("POST", "/stop", {"robots": [], "by": "Ada"}) == (422, "invalid", "robots")
+    assert line.refused("POST", "/stop", {"robots": []}) == (422, "invalid", "robots")
 
 
 def test_stop_survives_a_restart(tmp_path, make_control, drive):
@@ -63,16 +63,16 @@ def test_stop_survives_a_restart(tmp_path, make_control, drive):
     for line in (some, everybody):
         line.register("r1")
         line.register("r2")
-    some.call("POST", "/stop", {"robots": ["r1"], "by": "Ada"})
-    everybody.call("POST", "/stop", {"robots": ["r2"], "by": "Ada"})
-    everybody.call("POST", "/stop", {"robots": None, "by": "Ada"})
+    some.call("POST", "/stop", {"robots": ["r1"]})
+    everybody.call("POST", "/stop", {"robots": ["r2"]})
+    everybody.call("POST", "/stop", {"robots": None})
     control.stop()
     control.start()
     for line, all_ in ((some, False), (everybody, True)):
         assert stopped(line.send(drive.wires[0], "r1"))
         assert line.send(drive.wires[0], "r2")["stop"] is all_
         assert line.register("r3").json()["stopped"] is all_
-        line.call("POST", "/resume", {"robots": None, "by": "Ada"})
+        line.call("POST", "/resume", {"robots": None})
     control.stop()
     assert control.sql("SELECT stopped_all FROM missions") == [(0,), (0,)]
     assert control.sql("SELECT DISTINCT stopped FROM robots") == [(0,)]
@@ -91,7 +91,7 @@ def test_a_stopped_robot_is_told_at_once_while_its_agent_is_stuck(line, drive, w
         thread.start()
         wait_until(lambda: line.get("/robots/r1")["next_seq"] == 44)
         began = time.monotonic()
-        line.call("POST", "/stop", {"robots": None, "by": "Ada"})
+        line.call("POST", "/stop", {"robots": None})
         thread.join()
         assert stopped(waiting[0][0])
         assert waiting[0][1] - began < 1.2  # also the request that waited already
@@ -102,7 +102,7 @@ def test_a_stopped_robot_is_told_at_once_while_its_agent_is_stuck(line, drive, w
         assert time.monotonic() - began < 1.0
     finally:
         os.kill(pid, signal.SIGCONT)
-    line.call("POST", "/resume", {"robots": None, "by": "Ada"})
+    line.call("POST", "/resume", {"robots": None})
     reply = line.send(drive.wires[12])
     assert {name: reply[name] for name in ("pose", "command")} == drive.expected(12)
 
@@ -110,12 +110,12 @@ def test_a_stopped_robot_is_told_at_once_while_its_agent_is_stuck(line, drive, w
 def test_a_stopped_robot_is_told_at_once_while_its_agent_is_killed(line, drive):
     for wires in drive.wires[:10]:
         line.send(wires)
-    line.call("POST", "/stop", {"robots": None, "by": "Ada"})
+    line.call("POST", "/stop", {"robots": None})
     os.kill(line.agent_pid(), signal.SIGKILL)
     began = time.monotonic()
     assert stopped(line.send(drive.wires[10]))
     assert time.monotonic() - began < 1.0
-    line.call("POST", "/resume", {"robots": None, "by": "Ada"})
+    line.call("POST", "/resume", {"robots": None})
     reply = line.send(drive.wires[11])
     assert {name: reply[name] for name in ("pose", "command")} == drive.expected(11)
 
@@ -123,13 +123,13 @@ def test_a_stopped_robot_is_told_at_once_while_its_agent_is_killed(line, drive):
 def test_stop_holds_when_it_cannot_be_saved(line, drive):
     line.send(drive.wires[0])
     with line.control.failing("observations"), line.control.failing("robots", on="UPDATE"):
-        response = line.call("POST", "/stop", {"robots": ["r1"], "by": "Ada"})
+        response = line.call("POST", "/stop", {"robots": ["r1"]})
         assert (response.status_code, response.json()["error"]["code"]) == (503, "stop_not_saved")
         assert "holds" in response.json()["error"]["message"]
         reply = line.send(drive.wires[1])
         assert stopped(reply)
         assert (reply["accepted"], reply["duplicates"], reply["next_seq"]) == (0, 0, 4)
-        assert line.refused("POST", "/resume", {"robots": ["r1"], "by": "Ada"}) == (503, "database", None)
+        assert line.refused("POST", "/resume", {"robots": ["r1"]}) == (503, "database", None)
         assert line.refused_post(drive.wires[1]) == (503, "database", None)
         assert line.get("/robots/r1")["next_seq"] == 4
     assert line.send(drive.wires[1])["pose"] == drive.expected(1)["pose"]

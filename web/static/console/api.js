@@ -27,6 +27,7 @@ export async function request(method, path, body) {
     headers: body === undefined ? {} : { "Content-Type": "application/json" },
     body: body === undefined ? undefined : JSON.stringify(body),
   });
+  if (response.status === 204) return null;
   try {
     return await response.json();
   } catch {
@@ -47,6 +48,9 @@ export async function fetchChecked(address, options = {}) {
     throw new ApiError("unreachable", "The server does not answer.", 0);
   }
   if (response.ok) return response;
+  if (response.status === 401 && !["/login", "/join"].includes(location.pathname)) {
+    location.assign(`/login?next=${encodeURIComponent(location.pathname + location.search)}`);
+  }
   let error = null;
   try {
     error = (await response.json()).error;

@@ -63,7 +63,7 @@ async function setStatus(store, victim, event) {
   const path = `${missionPath(store.missionId ?? "")}/victims/${encodeURIComponent(victim.victim_id)}`;
   select.disabled = true;
   try {
-    await request("PATCH", path, { status: select.value, by: "operator" });
+    await request("PATCH", path, { status: select.value });
   } catch (error) {
     store.notify(`The status of victim ${victim.victim_id} was not changed. ${/** @type {Error} */ (error).message}`);
     select.value = store.victims.get(victim.victim_id)?.status ?? victim.status;

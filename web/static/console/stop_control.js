@@ -6,7 +6,6 @@ import { missionPath, request } from "./api.js";
 
 const ALL = "*";
 const RETRY_MS = 1000;
-const BY = "operator";
 
 export class StopControl {
   /** @param {Store} store */
@@ -60,7 +59,7 @@ export class StopControl {
       mine.tries += 1;
       store.changed();
       try {
-        await request("POST", `${missionPath(missionId)}/${order}`, { robots: key === ALL ? null : [key], by: BY });
+        await request("POST", `${missionPath(missionId)}/${order}`, { robots: key === ALL ? null : [key] });
         break;
       } catch (error) {
         mine.error = /** @type {Error} */ (error).message;

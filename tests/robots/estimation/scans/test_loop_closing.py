@@ -8,12 +8,13 @@ from math import hypot, pi
 import numpy as np
 import pytest
 
-from robots.config import AgentConfig, LoopConfig
+from robots.config import AgentConfig
 from robots.estimation.passage import Passage
 from robots.estimation.scans.loop_closing import LoopCloser, Sighting
 from robots.estimation.scans.points import scan_points
 from robots.estimation.tag_graph.slam import TagSlam
 from robots.estimation.tag_graph.smoothing import smooth
+from robots.scan_config import LoopConfig
 from robots.se2 import GaussianPose, Pose2
 from robots.types import DistanceTurn, LaserScan, Observation, TagSighting
 

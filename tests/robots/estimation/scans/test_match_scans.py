@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from robots.config import ScanMatchConfig
 from robots.estimation.scans.matching import ScanMatch, match_scans, reference_of
+from robots.scan_config import ScanMatchConfig
 from robots.se2 import Pose2, wrap
 from robots.types import LaserScan
 

@@ -7,10 +7,10 @@ from time import perf_counter
 import numpy as np
 import pytest
 
-from robots.config import ScanMatchConfig
 from robots.estimation.scans.local_map import LocalMap
 from robots.estimation.scans.matching import ScanMatch, match
 from robots.estimation.scans.points import ScanPoints, scan_points
+from robots.scan_config import ScanMatchConfig
 from robots.se2 import GaussianPose, Pose2, wrap
 from robots.types import LaserScan
 

@@ -1,0 +1,74 @@
+"""The audit log, and taking changes of pins back."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import Annotated
+
+from fastapi import APIRouter, Query
+
+from db.records import AnnotationRecord
+from server.api.common import ERRORS, AllMissions, Commander, OneMission, Operator, Responder, TheChange
+from server.errors import ApiError, unknown
+from server.mission.victims import judgement
+from server.people.audit import AuditedRoute
+from server.schemas.people import AuditEntryOut, AuditOut
+
+router = APIRouter(tags=["people"], responses=ERRORS, route_class=AuditedRoute)
+Before = Annotated[int | None, Query(ge=1, description="Only changes before this audit_id.")]
+Limit = Annotated[int, Query(ge=1, le=1000, description="At most so many.")]
+
+
+@router.get("/audit", summary="Every change", operation_id="get_audit")
+async def get_audit(
+    missions: AllMissions, by: Commander, before: Before = None, limit: Limit = 200
+) -> AuditOut:
+    """Return changes of everything on this server, newest first."""
+    entries = await missions.store.people.audit_of(None, before, limit)
+    return AuditOut(entries=[AuditEntryOut(**asdict(entry)) for entry in entries])
+
+
+@router.get(
+    "/missions/{mission_id}/audit", summary="Every change of a mission", operation_id="get_mission_audit"
+)
+async def get_mission_audit(
+    mission: OneMission, missions: AllMissions, by: Operator, before: Before = None, limit: Limit = 200
+) -> AuditOut:
+    """Return changes of a mission, newest first."""
+    entries = await missions.store.people.audit_of(mission.mission_id, before, limit)
+    return AuditOut(entries=[AuditEntryOut(**asdict(entry)) for entry in entries])
+
+
+@router.post(
+    "/missions/{mission_id}/audit/{audit_id}/undo",
+    status_code=204,
+    summary="Take a change back",
+    operation_id="take_back",
+)
+async def take_back(
+    audit_id: int, mission: OneMission, missions: AllMissions, by: Responder, change: TheChange
+) -> None:
+    """Put a victim's status or an annotation back to what it was before a change.
+
+    Refused where somebody has changed it again since.
+    """
+    entry = await missions.store.people.audit_entry(mission.mission_id, audit_id)
+    if entry is None:
+        raise unknown("change", str(audit_id))
+    change.before, change.after = entry.after, entry.before
+    change.subject = entry.subject
+    changed = ApiError(409, "changed_since", f"{entry.subject} was changed again since; look at it anew.")
+    if entry.action == "judge_victim" and entry.before is not None:
+        if judgement(mission.victims.get(entry.subject)) != entry.after:
+            raise changed
+        await mission.victims.put_back(entry.subject, entry.before, by.name)
+    elif entry.action in ("put_annotation", "delete_annotation"):
+        if mission.annotations.value(entry.subject) != entry.after:
+            raise changed
+        if entry.before is None:
+            await mission.annotations.remove(entry.subject)
+        else:
+            await mission.annotations.put(AnnotationRecord(**entry.before))
+    else:
+        message = "Only changes of victims and of annotations can be taken back."
+        raise ApiError(409, "cannot_undo", message, "audit_id")

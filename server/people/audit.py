@@ -1,0 +1,64 @@
+"""The audit log: every change with who and when. It only grows; the database refuses anything else."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Coroutine
+from dataclasses import dataclass
+from typing import Any
+
+from fastapi import Request, Response
+from fastapi.routing import APIRoute
+
+from db.people_records import AuditRecord
+from db.store import Store
+from server.people.actor import Actor
+
+_READS = {"GET", "HEAD", "OPTIONS"}
+
+
+@dataclass(slots=True)
+class Change:
+    """What a route tells of the change it makes; ``before`` and ``after`` where it can be undone."""
+
+    subject: str = ""
+    before: dict[str, Any] | None = None
+    after: dict[str, Any] | None = None
+
+
+class AuditedRoute(APIRoute):
+    """A route whose changes are in the audit log before its answer leaves; none can forget to say so."""
+
+    def get_route_handler(self) -> Callable[[Request], Coroutine[Any, Any, Response]]:
+        """Return the handler with the log behind it."""
+        handle = super().get_route_handler()
+        if set(self.methods or ()) <= _READS:
+            return handle
+
+        async def noted(request: Request) -> Response:
+            response = await handle(request)
+            if response.status_code < 400:
+                await _note(request, self.name)
+            return response
+
+        return noted
+
+
+async def _note(request: Request, action: str) -> None:
+    actor: Actor = request.state.actor
+    change: Change = getattr(request.state, "change", None) or Change()
+    store: Store = request.app.state.missions.store
+    names = [value for key, value in request.path_params.items() if key != "mission_id"]
+    await store.people.note(
+        AuditRecord(
+            audit_id=0,
+            unix_s=time.time(),
+            mission_id=request.path_params.get("mission_id"),
+            by=actor.name,
+            role=actor.role,
+            action=action,
+            subject=change.subject or " ".join(map(str, names)),
+            before=change.before,
+            after=change.after,
+        )
+    )

@@ -1,0 +1,52 @@
+"""What holds for every route there is: somebody is asked for, and no change goes unnoted."""
+
+import pkgutil
+from importlib import import_module
+
+from fastapi.dependencies.models import Dependant
+from fastapi.routing import APIRoute
+
+import server.api
+from server.people.audit import AuditedRoute
+
+FOR_EVERYBODY = {"get_health", "get_session", "log_in", "join_by_link"}
+KEPT_ELSEWHERE = {"post_observations"}  # the mission's log is their log
+
+
+def routes():
+    for module in pkgutil.iter_modules(server.api.__path__):
+        router = getattr(import_module(f"server.api.{module.name}"), "router", None)
+        for route in [] if router is None else router.routes:
+            if isinstance(route, APIRoute):
+                yield route
+
+
+def roles(dependant: Dependant):
+    found = [getattr(dependant.call, "role", None)]
+    for inner in dependant.dependencies:
+        found += roles(inner)
+    return [role for role in found if role is not None]
+
+
+def test_every_route_asks_who_it_is():
+    found = {route.name: roles(route.dependant) for route in routes()}
+    assert len(found) > 25
+    assert {name for name, needed in found.items() if not needed} == FOR_EVERYBODY
+
+
+def test_every_change_asks_for_more_than_looking():
+    lax = {
+        route.name
+        for route in routes()
+        if not route.methods <= {"GET", "HEAD"} and set(roles(route.dependant)) <= {"viewer"}
+    }
+    assert lax == {"log_in", "join_by_link", "log_out", "acknowledge_evacuation"}
+
+
+def test_every_change_goes_through_the_audit_log():
+    unnoted = {
+        route.name
+        for route in routes()
+        if not route.methods <= {"GET", "HEAD"} and not isinstance(route, AuditedRoute)
+    }
+    assert unnoted == KEPT_ELSEWHERE
