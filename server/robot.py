@@ -132,6 +132,7 @@ class Robot:
             driven = update.distance_m - self.update.distance_m
             self.speed_mps = max(0.0, driven / (update.stamp_s - self.update.stamp_s))
         self.update = update
+        self.communication = update.methods.communication or self.communication
         if update.graph is not None:
             self.graph = update.graph
         self.communication = update.methods.communication
