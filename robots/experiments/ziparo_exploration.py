@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 
@@ -19,12 +20,13 @@ from robots.experiments.experiment import Column, Experiment, ExperimentError, O
 from robots.experiments.exploring import maps_of
 from robots.experiments.parallel import in_parallel
 from robots.exploration.strategies.ziparo import Ziparo
-from robots.sim.arena.config import ArenaConfig, Sharing
+from robots.sim.arena.config import ArenaConfig
 from robots.sim.arena.ground import ground_of
 from robots.sim.arena.run import Arena
 from robots.sim.scenario import ScenarioConfig, ScenarioError
 from robots.sim.world import WorldError
 
+Sharing = Literal["none", "private", "tags"]
 MAPS = (("office", "office:1240"), ("open", "open:1300"))
 METHODS: tuple[tuple[str, str, Sharing], ...] = (
     ("no tags", "ziparo", "none"),
@@ -53,7 +55,7 @@ class Run:
 
     map: str
     explore: str
-    sharing: Sharing
+    sharing: Sharing  # what robots read: nothing, tags they dropped themselves, all
     seed: int
     robots: int = _ROBOTS
     minutes: float = _MINUTES
@@ -79,8 +81,14 @@ def play(run: Run) -> Outcome:
         ExperimentError: the building cannot be had.
     """
     side_m = Ziparo.local_map_m
-    planning = PlanningConfig(explore=run.explore, local_map_m=side_m, cell_m=_CELL_M)
-    deployment = DeploymentConfig(magazine=1000, even_m=Ziparo.tag_every_m)
+    tags = run.sharing != "none"
+    planning = PlanningConfig(
+        explore=run.explore,
+        local_map_m=side_m,
+        cell_m=_CELL_M,
+        communication="tags" if tags else "none",
+    )
+    deployment = DeploymentConfig(magazine=1000 if tags else 0, even_m=Ziparo.tag_every_m)
     try:
         scenario = ScenarioConfig(
             map=run.map,
@@ -88,6 +96,7 @@ def play(run: Run) -> Outcome:
             seed=run.seed,
             poses="truth",
             victims=0,
+            base_tag=tags,
             agent_config=AgentConfig(planning=planning, deployment=deployment),
         )
         ground = ground_of(scenario)
@@ -96,7 +105,7 @@ def play(run: Run) -> Outcome:
     config = ArenaConfig(
         scenario,
         "at once",
-        run.sharing,
+        own_tags_only=run.sharing == "private",
         limit_s=60.0 * run.minutes,
         reader_m=_READER_M,
         read_every_s=_READ_EVERY_S,
