@@ -23,6 +23,7 @@ from robots.orders import RobotOrder
 from robots.se2 import Pose2
 from robots.tags.deployment import TagDropper
 from robots.tags.map_memory import MAX_BELIEFS, TagBelief, WriterMap
+from robots.tags.marks import key_of
 from robots.tags.memory import TagMemory, TagMemoryError
 from robots.tags.sealed import close_memory, open_memory
 from robots.types import FrontierReport, LaserScan, Suspect, TagSighting, TagWrite
@@ -85,6 +86,7 @@ class Scout:
         self.config = config
         own = crc32(robot_id.encode())  # robots told the same seed must not draw alike
         self.explorer = Explorer(config, (config.seed, own, 1))
+        self.explorer.claims.own = key_of(robot_id)
         self._dropper = TagDropper(config.deployment, config.mapping, (config.seed, own, 2))
         self._witness = Witness(robot_id)
         self._local: LocalGrid | None = None

@@ -27,8 +27,8 @@ _KNOWN_SHARE = 0.5
 def observed_memory(grid: PlanGrid, tag_x: float, tag_y: float, phase: int = CENTRED) -> TagMemory:
     """Return what a robot's plan grid (map frame, x north) knows round a tag at (x, y).
 
-    ``phase``: the lattice of its cells. A cell counts as soon as half of it is known, and is open while free
-    ground in it borders on the unknown.
+    ``phase``: the lattice of its cells. A cell is open while free ground in it borders on the unknown, and
+    closed once half of it is known: there is no way from a closed cell to one that nobody has seen.
     """
     if not grid.cells.size:
         return TagMemory.empty()
@@ -43,7 +43,7 @@ def observed_memory(grid: PlanGrid, tag_x: float, tag_y: float, phase: int = CEN
     full = (CELL_M / grid.cell_m) ** 2
     seen = _sums(known, x_edges, y_edges) >= _KNOWN_SHARE * full
     open_ = _sums(edge, x_edges, y_edges) > 0
-    cells = np.where(seen, np.where(open_, OPEN, CLOSED), 0).astype(np.uint8)
+    cells = np.where(open_, OPEN, np.where(seen, CLOSED, 0)).astype(np.uint8)
     return TagMemory(trimmed(cells), phase=phase if cells.any() else CENTRED)
 
 

@@ -1,25 +1,36 @@
-"""Waymark's own: go where much is unknown to all whose word was read, for the way it takes.
+"""Waymark's own: the shortest way to ground that nobody has told of, through what others have covered.
 
-Ground that others have covered and closed is left to the last, but never struck off: a tag may be wrong, and
-a robot that has nothing better to do looks for itself.
+Where others said they went is left to them. What is claimed is left to the last, but never struck off: a tag
+may be wrong, and a robot that has nothing better to do looks for itself.
 """
 
 from __future__ import annotations
 
+import os
+
+import numpy as np
+
+from robots.exploration.outlook import ways_beyond
 from robots.exploration.strategies.information_gain import SEEN_M, SQUARE_M2, WORTH_M
 from robots.exploration.strategy import ExplorationView, goals_of, ways_of
 from robots.se2 import Array
 
-_CLAIMED_M = 15.0  # of way, where all round a frontier is claimed
+_P = [float(v) for v in os.environ.get("WM", "3,1.5,15,6,4").split(",")]
+WORTH_M, _DETOUR, _MOST_M, _PROMISED_M, _PROMISE_REACHES_M = _P
 
 
 class Waymark:
-    """Weighs the way to a frontier against what is unknown round it and what others have claimed."""
+    """Weighs ways to frontiers, and beyond them, against what is unknown to all and where others went."""
 
     def worths(self, view: ExplorationView) -> Array:
-        """Return what is to be seen less what is claimed and the way."""
-        untold, claimed = view.survey.shares(goals_of(view), SEEN_M)
-        return WORTH_M * untold - _CLAIMED_M * claimed - ways_of(view)
+        """Return what is to be seen less the way and what others covered or took upon themselves."""
+        goals = goals_of(view)
+        untold, claimed = view.survey.shares(goals, SEEN_M)
+        cells = np.array([frontier.goal for frontier in view.frontiers]).reshape(-1, 2)
+        beyond = np.zeros(len(goals))
+        if view.grid is not None:
+            beyond = _DETOUR * ways_beyond(view.grid, view.survey, cells, _MOST_M)
+        return WORTH_M * (untold) - beyond - _PROMISED_M * promised(view) - ways_of(view)
 
     def reason(self, view: ExplorationView, index: int) -> str:
         """Return how much is to be seen, or that tags say otherwise."""
@@ -27,3 +38,13 @@ class Waymark:
         if claimed[0] > untold[0]:
             return "check ground that tags call covered"
         return f"see about {untold[0] * SQUARE_M2:.0f} m² of new ground"
+
+
+def promised(view: ExplorationView) -> Array:
+    """Return how near, 0 to 1, each frontier is to a place where another robot said it went, (n,)."""
+    goals, places = goals_of(view), view.survey.promised
+    if len(places) == 0 or len(goals) == 0:
+        return np.zeros(len(goals))
+    gaps = np.hypot(*(goals[:, None, :] - places[None, :, :]).transpose(2, 0, 1)).min(axis=1)
+    near: Array = np.maximum(0.0, 1.0 - gaps / _PROMISE_REACHES_M)
+    return near

@@ -25,9 +25,9 @@ class ArenaConfig:
     the tags stay. ``sharing``: nothing, what tags say, or one map. ``reader_m``: tags are read so far off, by
     a plate over the floor, or from ``SIGHT_FROM_M`` on in line of sight; one that stays in reach is read
     again every ``read_every_s``. ``tag_error_m``: deviation of a tag's place as each robot believes it.
-    ``collide``: whether robots stand in each other's way and view. A run ends after ``limit_s``, when
-    ``until`` of what can be seen was seen, or when nobody has anything left to do. The score is taken when
-    the team has driven its budgets.
+    ``collide``: whether robots stand in each other's way and view; where they do not, all of the same start
+    begin at one and the same place. A run ends after ``limit_s``, when ``until`` of what can be seen was
+    seen, or when nobody has anything left to do. The score is taken when the team has driven its budgets.
     """
 
     scenario: ScenarioConfig

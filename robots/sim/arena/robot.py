@@ -35,12 +35,18 @@ class ArenaRobot:
     """One robot; ``pose`` is its true pose in the world, ``seen`` uint8 (h, w) what its laser truly saw."""
 
     def __init__(
-        self, config: ArenaConfig, ground: Ground, field: TagField, index: int, shared: ScanMap | None
+        self,
+        config: ArenaConfig,
+        ground: Ground,
+        field: TagField,
+        index: int,
+        start: Pose2,
+        shared: ScanMap | None,
     ) -> None:
         scenario = config.scenario
         self.robot_id = scenario.robot_ids[index]
         self.scout = Scout(self.robot_id, config.agent_of(self.robot_id))
-        self.start = self.pose = ground.starts[index]
+        self.start = self.pose = start
         self.map = self._begin_map(ground, shared)
         self.places = BelievedPlaces(field, self.start, config.tag_error_m, (scenario.seed, 30, index))
         self.seen: Cells = np.zeros_like(ground.world.cells)

@@ -43,8 +43,10 @@ class Arena:
             shared = ScanMap(config.agent_of(scenario.robot_ids[0]).mapping, world.origin_m, high)
         if config.sharing == "tags" and scenario.base_tag:
             self.field.drop(BASE_TAG, ground.starts[0].x, ground.starts[0].y)
+        together = scenario.start == "same" and not config.collide
         self.robots = [
-            ArenaRobot(config, ground, self.field, index, shared) for index in range(scenario.robots)
+            ArenaRobot(config, ground, self.field, index, ground.starts[0 if together else index], shared)
+            for index in range(scenario.robots)
         ]
         self.seen: Cells = np.zeros_like(world.cells)
         self.clock_s = 0.0
