@@ -20,6 +20,7 @@ _SAME_GOAL_M = 1.2  # a frontier this near to the old goal is what the old goal 
 _KEEP_UNLESS = 0.4  # the old goal is kept unless another is worth more by this share of the way to it
 _ASIDE_M = 0.7
 _ASIDE_S = (20.0, 60.0)  # a goal that came to nothing is tried again after so long, and then again
+_SWITCHES = 3  # an edge that comes and goes draws a robot back so often, then it is put aside
 _TRIES = 1 + len(_ASIDE_S)
 _FORGOTTEN_S = 600.0  # and once more after so long: what stood in the way may have gone
 
@@ -58,6 +59,7 @@ class Goals:
         self.strategy = strategy
         self.goal_m: tuple[float, float] | None = None
         self.reports: tuple[FrontierReport, ...] = ()
+        self._chosen: list[tuple[float, float]] = []  # every goal that another was left for
         self._aside: list[_Aside] = []
 
     def put_aside(self, goal_m: tuple[float, float], now_s: float) -> None:
@@ -108,8 +110,24 @@ class Goals:
             gained = worths[best] - worths[same]
             if far[same] < _SAME_GOAL_M and gained <= _KEEP_UNLESS * view.frontiers[same].cost_m:
                 best = same
+        chosen = view.frontiers[best]
+        if self._is_anew(chosen.goal_m) and self._times(chosen.goal_m) > _SWITCHES:
+            self.put_aside(chosen.goal_m, view.now_s)
+            self._chosen = [place for place in self._chosen if _apart(place, chosen.goal_m) >= _ASIDE_M]
+            left = (*view.frontiers[:best], *view.frontiers[best + 1 :])
+            return self.choose(replace(view, frontiers=self.worth_going(left, view.now_s)))
         self.reports = _reports(view.frontiers, [float(worth) for worth in worths], best)
-        return Choice(view.frontiers[best], self.strategy.reason(view, best))
+        return Choice(chosen, self.strategy.reason(view, best))
+
+    def _is_anew(self, goal_m: tuple[float, float]) -> bool:
+        """Say whether another goal was driven to before; note that this one is from now on."""
+        if self.goal_m is not None and _apart(goal_m, self.goal_m) < _SAME_GOAL_M:
+            return False
+        self._chosen.append(goal_m)
+        return True
+
+    def _times(self, goal_m: tuple[float, float]) -> int:
+        return sum(_apart(goal_m, place) < _ASIDE_M for place in self._chosen)
 
     def _with_candidates(self, view: ExplorationView) -> ExplorationView:
         """Return the view with the strategy's own candidates, where it has any."""
@@ -121,6 +139,10 @@ class Goals:
     def _aside_at(self, goal_m: tuple[float, float]) -> _Aside | None:
         near = [a for a in self._aside if hypot(goal_m[0] - a.x, goal_m[1] - a.y) < _ASIDE_M]
         return max(near, key=lambda aside: aside.until_s, default=None)
+
+
+def _apart(a: tuple[float, float], b: tuple[float, float]) -> float:
+    return hypot(a[0] - b[0], a[1] - b[1])
 
 
 def _reports(frontiers: Sequence[Frontier], worths: list[float], chosen: int) -> tuple[FrontierReport, ...]:

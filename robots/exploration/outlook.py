@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from robots.exploration.claims import LATTICE_M, Survey
 from robots.planning.plan_grid import FREE, OCCUPIED, PlanGrid
 from robots.se2 import Array
-from robots.tags.memory import CLOSED
+from robots.tags.memory import CLOSED, OPEN
 
-_KNOWN, _TOLD, _NEWS, _WALL = 0, 1, 2, 3
+_KNOWN, _TOLD, _RIM, _NEWS, _WALL = 0, 1, 2, 3, 4
 
 
 def ways_beyond(grid: PlanGrid, survey: Survey, cells: NDArray[np.int64], most_m: float) -> Array:
@@ -42,8 +42,8 @@ def _kinds(cells: NDArray[np.uint8], claimed: NDArray[np.uint8], per_cell: float
             elif cells[r, c] == OCCUPIED:
                 kinds[r, c] = _WALL
             else:
-                told = claimed[int((r + 0.5) * per_cell), int((c + 0.5) * per_cell)] == CLOSED
-                kinds[r, c] = _TOLD if told else _NEWS
+                told = claimed[int((r + 0.5) * per_cell), int((c + 0.5) * per_cell)]
+                kinds[r, c] = _TOLD if told == CLOSED else _RIM if told == OPEN else _NEWS
     return kinds
 
 
@@ -51,13 +51,13 @@ def _kinds(cells: NDArray[np.uint8], claimed: NDArray[np.uint8], per_cell: float
 def _flood(kinds: NDArray[np.uint8], most: float) -> Array:
     """Return the way from each cell to the nearest news, in cells, by sweeps until nothing changes.
 
-    From known ground into news or told ground, through told ground, never from told ground into news.
+    From known ground into news or told ground, through told ground to its rim, never from it into news.
     """
     rows, columns = kinds.shape
     ways = np.full((rows, columns), most)
     for r in range(rows):
         for c in range(columns):
-            if kinds[r, c] == _NEWS:
+            if kinds[r, c] == _NEWS or kinds[r, c] == _RIM:
                 ways[r, c] = 0.0
     changed = True
     while changed:
@@ -68,7 +68,7 @@ def _flood(kinds: NDArray[np.uint8], most: float) -> Array:
                 for j in range(columns):
                     c = j if sweep & 2 == 0 else columns - 1 - j
                     kind = kinds[r, c]
-                    if kind == _NEWS or kind == _WALL:
+                    if kind == _NEWS or kind == _RIM or kind == _WALL:
                         continue
                     best = ways[r, c]
                     for v in range(max(0, r - 1), min(rows, r + 2)):

@@ -57,7 +57,7 @@ class Witness:
             phase = phase_of(*place, self._corner)
         count, serial, goal = self._pass(tag_id, goal_m or place, now_s)
         return replace(
-            observed_memory(grid, *place, phase),
+            observed_memory(grid, *place, phase, 0.5),
             passes=(goal_mark(self._robot_id, count, serial, goal[0] - place[0], goal[1] - place[1]),),
             visited=visited_window(trail_m, *place),
         )

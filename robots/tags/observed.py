@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from robots.planning.plan_grid import FREE, UNKNOWN, PlanGrid
+from robots.exploration.frontiers import edges_of
+from robots.planning.plan_grid import UNKNOWN, PlanGrid
 from robots.se2 import Array
 from robots.tags.memory import (
     CELL_M,
@@ -21,10 +22,13 @@ from robots.tags.memory import (
 )
 from robots.tags.window import no_cells, trimmed
 
-_KNOWN_SHARE = 0.5
+import os
+_KNOWN_SHARE = float(os.environ.get('KS','0.15'))
 
 
-def observed_memory(grid: PlanGrid, tag_x: float, tag_y: float, phase: int = CENTRED) -> TagMemory:
+def observed_memory(
+    grid: PlanGrid, tag_x: float, tag_y: float, phase: int = CENTRED, min_frontier_m: float = 0.0
+) -> TagMemory:
     """Return what a robot's plan grid (map frame, x north) knows round a tag at (x, y).
 
     ``phase``: the lattice of its cells. A cell is open while free ground in it borders on the unknown, and
@@ -33,10 +37,7 @@ def observed_memory(grid: PlanGrid, tag_x: float, tag_y: float, phase: int = CEN
     if not grid.cells.size:
         return TagMemory.empty()
     known = grid.cells != UNKNOWN
-    edge = np.zeros_like(known)
-    edge[1:-1, 1:-1] = (grid.cells == FREE)[1:-1, 1:-1] & ~(
-        known[:-2, 1:-1] & known[2:, 1:-1] & known[1:-1, :-2] & known[1:-1, 2:]
-    )
+    edge = edges_of(grid, min_frontier_m)
     shift = shift_of(phase)
     x_edges = _edges(tag_x + shift[0], grid.origin[0], grid.cell_m)
     y_edges = _edges(tag_y + shift[1], grid.origin[1], grid.cell_m)

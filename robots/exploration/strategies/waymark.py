@@ -15,8 +15,8 @@ from robots.exploration.strategies.information_gain import SEEN_M, SQUARE_M2, WO
 from robots.exploration.strategy import ExplorationView, goals_of, ways_of
 from robots.se2 import Array
 
-_P = [float(v) for v in os.environ.get("WM", "3,1.5,15,6,4").split(",")]
-WORTH_M, _DETOUR, _MOST_M, _PROMISED_M, _PROMISE_REACHES_M = _P
+_P = [float(v) for v in os.environ.get("WM", "3,1.5,15,6,4,6,4,1").split(",")]
+WORTH_M, _DETOUR, _MOST_M, _PROMISED_M, _PROMISE_REACHES_M, _TROD_M, _TROD_REACHES_M, _OWN = _P
 
 
 class Waymark:
@@ -29,8 +29,9 @@ class Waymark:
         cells = np.array([frontier.goal for frontier in view.frontiers]).reshape(-1, 2)
         beyond = np.zeros(len(goals))
         if view.grid is not None:
-            beyond = _DETOUR * ways_beyond(view.grid, view.survey, cells, _MOST_M)
-        return WORTH_M * (untold) - beyond - _PROMISED_M * promised(view) - ways_of(view)
+            beyond = ways_beyond(view.grid, view.survey, cells, _MOST_M)
+        seen = np.maximum(0.0, 1.0 - beyond / SEEN_M)  # behind claimed ground there is a wall
+        return WORTH_M * untold * seen - _DETOUR * beyond - _PROMISED_M * promised(view) - _TROD_M * trodden(view) - ways_of(view)
 
     def reason(self, view: ExplorationView, index: int) -> str:
         """Return how much is to be seen, or that tags say otherwise."""
@@ -42,9 +43,20 @@ class Waymark:
 
 def promised(view: ExplorationView) -> Array:
     """Return how near, 0 to 1, each frontier is to a place where another robot said it went, (n,)."""
-    goals, places = goals_of(view), view.survey.promised
+    return _nearness(goals_of(view), view.survey.promised, _PROMISE_REACHES_M)
+
+
+def trodden(view: ExplorationView) -> Array:
+    """Return how near, 0 to 1, each frontier is to where robots drove, (n,)."""
+    driven = [tag.memory.visited_m + np.array(tag.place_m) for tag in view.tags]
+    if _OWN:
+        driven.append(view.trail[:, :2])
+    return _nearness(goals_of(view), np.concatenate([np.zeros((0, 2)), *driven]), _TROD_REACHES_M)
+
+
+def _nearness(goals: Array, places: Array, reach_m: float) -> Array:
     if len(places) == 0 or len(goals) == 0:
         return np.zeros(len(goals))
-    gaps = np.hypot(*(goals[:, None, :] - places[None, :, :]).transpose(2, 0, 1)).min(axis=1)
-    near: Array = np.maximum(0.0, 1.0 - gaps / _PROMISE_REACHES_M)
+    gaps = np.sqrt(((goals[:, None, :] - places[None, :, :]) ** 2).sum(axis=2).min(axis=1))
+    near: Array = np.maximum(0.0, 1.0 - gaps / reach_m)
     return near
