@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
+from robots.orders import OrderKind, OrderState
+
 AgentPlace = Literal["server", "onboard"]
 SilencePolicy = Literal["hold", "go_on", "return"]
 VictimStatus = Literal["suspected", "confirmed", "reached", "extricated", "dismissed"]
@@ -180,3 +182,25 @@ class EventRecord:
     text: str
     robot_id: str | None
     severity: Severity
+
+
+@dataclass(frozen=True, slots=True)
+class OrderRecord:
+    """An operator's order to a robot, and what has become of it.
+
+    ``x_m`` and ``y_m`` in the world frame, for the kinds that need a place; an empty name of a method leaves
+    it as it is.
+    """
+
+    order_id: str
+    robot_id: str
+    kind: OrderKind
+    by: str
+    issued_unix_s: float
+    x_m: float | None = None
+    y_m: float | None = None
+    explore: str = ""
+    coordinate: str = ""
+    communication: str = ""
+    state: OrderState = "issued"
+    text: str = ""

@@ -10,6 +10,7 @@ from db.graphs import GraphStore
 from db.log import LogStore
 from db.missions import MissionStore
 from db.nodes import NodeStore
+from db.orders import OrderStore
 from db.people import PeopleStore
 from db.tags import TagStore
 
@@ -24,6 +25,7 @@ class Store:
         self.graphs = GraphStore(database)
         self.tags = TagStore(database)
         self.nodes = NodeStore(database)
+        self.orders = OrderStore(database)
         self.findings = FindingStore(database)
         self.people = PeopleStore(database)
 

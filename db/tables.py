@@ -212,6 +212,25 @@ annotations = Table(
     _of_mission(),
 )
 
+orders = Table(
+    "orders",
+    metadata,
+    Column("mission_id", ID, primary_key=True),
+    Column("order_id", String(36), primary_key=True),
+    Column("robot_id", ID, nullable=False),
+    Column("kind", String(20), nullable=False),
+    Column("by", String(200), nullable=False),
+    Column("issued_unix_s", Float, nullable=False),
+    Column("x_m", Float),  # in the world frame
+    Column("y_m", Float),
+    Column("explore", String(40), nullable=False),
+    Column("coordinate", String(40), nullable=False),
+    Column("communication", String(40), nullable=False),
+    Column("state", String(10), nullable=False),  # issued | delivered | done | failed
+    Column("text", Text, nullable=False),
+    _of_robot(),
+)
+
 events = Table(
     "events",
     metadata,

@@ -74,13 +74,14 @@ class RobotAgent:
         ]
         intent = self._scout.step(self._situation(observation, slam, passage.read))
         decision = intent.decision
-        command = Command(decision.linear_mps, decision.angular_radps, intent.drop, intent.writes)
+        command = Command(decision.linear_mps, decision.angular_radps, intent.drop, intent.writes, intent.say)
         self._last = observation
         self._update = self._report(observation, slam, command, slipping, passage.changed)
-        return replace(self._update, victims=tuple(v for v in victims if v is not None))
+        doubts = (*self._update.doubts, *intent.doubts)
+        return replace(self._update, victims=tuple(v for v in victims if v is not None), doubts=doubts)
 
     def report(self) -> AgentUpdate:
-        """Return the latest update with the whole graph, all submaps and all victims.
+        """Return the latest update with the whole graph, all submaps, victims and frontiers.
 
         Raises:
             ObservationError: nothing has been observed yet.
@@ -92,6 +93,7 @@ class RobotAgent:
             graph=self._slam.report(),
             submaps=self._maps.all_reports(),
             victims=self._victims.victims(),
+            frontiers=self._scout.frontiers,
         )
 
     def smoothed(self) -> AgentUpdate:
@@ -187,6 +189,7 @@ class RobotAgent:
             orders=observation.orders,
             suspects=self._victims.suspects(slam.anchors),
             read=read,
+            heard=observation.heard,
             tag_place=partial(_place, slam),
             tag_places=slam.tag_places,
             own_map=slam.own_map,
@@ -236,6 +239,8 @@ def merge_commands(updates: Sequence[AgentUpdate]) -> Command:
 
 
 def merged_command(commands: Sequence[Command]) -> Command:
-    """Return the last velocities, every write, and a tag to drop if any command asked for one."""
+    """Return the last velocities and message, every write, and a tag to drop if any asked for one."""
     writes = tuple(write for command in commands for write in command.writes)
-    return replace(commands[-1], drop_tag=any(command.drop_tag for command in commands), writes=writes)
+    say = next((command.say for command in reversed(commands) if command.say is not None), None)
+    drop = any(command.drop_tag for command in commands)
+    return replace(commands[-1], drop_tag=drop, writes=writes, say=say)

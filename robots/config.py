@@ -5,9 +5,10 @@ Derived values are properties beside what they derive from.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from itertools import pairwise
 from math import cos, radians, sin
+from sys import intern
 from typing import Literal
 
 from robots.exploration.settings import KleinerConfig, SafeGroundConfig, ZiparoConfig
@@ -183,6 +184,7 @@ class DeploymentConfig:
     spacing_m: float = 4.0
     side_window_m: float = 1.5
     rate_per_m: float = 1.2  # expected drops per metre where tags are wanted most
+    even_m: float = 0.0  # instead, one wherever none is known within so far (Ziparo 2007: 1 m)
 
 
 @dataclass(frozen=True, slots=True)
@@ -226,6 +228,8 @@ class PlanningConfig:
     comfort_m: float = 0.45
     replan_every_s: float = 1.0
     explore: str = "waymark"
+    coordinate: str = "none"  # how frontiers are shared out among the robots that are heard
+    communication: Literal["none", "tags", "full", "radio"] = "tags"  # who is heard, see Communication
     kleiner: KleinerConfig = field(default_factory=KleinerConfig)
     ziparo: ZiparoConfig = field(default_factory=ZiparoConfig)
     safe: SafeGroundConfig = field(default_factory=SafeGroundConfig)
@@ -235,6 +239,14 @@ class PlanningConfig:
     mission_s: float = 0.0  # the robot is back so long after it began; 0: the mission has no end
     battery_per_m: float = 0.0006  # share that a metre takes, until the robot has learnt it
     battery_reserve: float = 0.1  # what is left of it back at the base
+
+    def __post_init__(self) -> None:
+        """Make the name one with those of attributes, so that a restored snapshot is the same bytes."""
+        object.__setattr__(self, "communication", intern(self.communication))
+
+    def __reduce__(self) -> tuple[type, tuple[object, ...]]:
+        """Be pickled as a call."""
+        return PlanningConfig, tuple(getattr(self, item.name) for item in fields(self))
 
 
 @dataclass(frozen=True, slots=True)
@@ -264,5 +276,6 @@ class AgentConfig:
     # "odometry": tags are noted, the graph never solved; "ekf": a filter over tags seen from afar; "rslam":
     # particles, by ranges alone
     slam: Literal["tag-graph", "odometry", "ekf", "rslam"] = "tag-graph"
+    start: tuple[float, ...] = ()  # x, y (m), heading (rad) in the mission frame as surveyed; () unknown
     map_memory: bool = False  # leave maps of tags in the tags' memories, and use those that others left
     seed: int = 0

@@ -10,7 +10,8 @@ from robots.config import ConfigError
 
 C = TypeVar("C")
 
-_SIGNED = frozenset({"ahead_m", "front_ahead_m", "power_at_1m_dbm", "rear_ahead_m"})  # others are 0 or more
+# others are 0 or more
+_SIGNED = frozenset({"ahead_m", "front_ahead_m", "power_at_1m_dbm", "rear_ahead_m", "start"})
 _POSITIVE = frozenset(
     {
         "along_m",

@@ -161,6 +161,7 @@ class Observation:
     tags_left: int | None = None  # in the magazine
     bumper: bool = False  # pressed against something
     held: bool = False  # standing still by an order (STOP or hold), whatever the agent commanded
+    heard: tuple[bytes, ...] = ()  # messages of the team, see robots.exploration.team_message
     orders: tuple[RobotOrder, ...] = ()  # of an operator, given since
 
 
@@ -180,6 +181,7 @@ class Command:
     angular_radps: float = 0.0
     drop_tag: bool = False
     writes: tuple[TagWrite, ...] = ()
+    say: bytes | None = None  # a message to the team
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -10,7 +10,7 @@ from math import pi, radians
 import numpy as np
 
 from robots.agent import RobotAgent
-from robots.config import AgentConfig
+from robots.config import AgentConfig, MappingConfig
 from robots.estimation.contradiction import share_seen_through
 from robots.estimation.ekf.filter import EkfFilter
 from robots.estimation.graph.solve import solve
@@ -20,7 +20,10 @@ from robots.estimation.scans.points import scan_points
 from robots.estimation.tag_filter import RangeSighting
 from robots.estimation.tag_graph.graph import TagGraph, graph_problem
 from robots.estimation.tag_graph.smoothing import smooth_radio
+from robots.exploration.team_ground import TeamGround, tiles_of
+from robots.exploration.team_message import Patch, Tile
 from robots.exploration.three_grids import find_candidates, three_grids
+from robots.mapping.fused import FusedGrid
 from robots.planning.plan_grid import FREE, UNKNOWN, PlanGrid
 from robots.planning.travel import travel_costs
 from robots.se2 import GaussianPose, Pose2
@@ -63,6 +66,17 @@ def warm_up() -> None:
     _warm_up_radio_tags()
     _warm_up_batch()
     _warm_up_strategies()
+    _warm_up_team_ground()
+
+
+def _warm_up_team_ground() -> None:
+    """Tell a neighbour of a small map, and draw it into its own."""
+    mapping, fused = MappingConfig(), FusedGrid(MappingConfig().resolution_m)
+    fused.put("warm", 0, Pose2(), np.full((8, 8), -mapping.miss_logodds, np.int16))
+    found = tiles_of(fused, Pose2(), np.zeros(2), 1.0, mapping)
+    ground = TeamGround()
+    ground.take(Patch("warm", 0, 1, tuple(Tile(*key, 1, cells) for key, cells in found.items())))
+    ground.overlaid(fused, 2, Pose2(), mapping)
 
 
 def _warm_up_strategies() -> None:

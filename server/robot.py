@@ -20,8 +20,9 @@ from db.store import Store
 from robots import codec
 from robots.config import AgentConfig
 from robots.graph_report import GraphReport
+from robots.orders import Methods
 from robots.se2 import Array, GaussianPose, Pose2
-from robots.types import AgentUpdate, Command, Observation
+from robots.types import AgentUpdate, Command, FrontierReport, Observation
 from server.agents.host import AgentHost
 
 Link = Literal["live", "late", "lost"]
@@ -85,6 +86,7 @@ class Robot:
     update: AgentUpdate | None = None
     speed_mps: float = 0.0
     graph: GraphReport | None = None
+    frontiers: tuple[FrontierReport, ...] = ()
     anchors: Array | None = None
     located: bool = False
     anchor_covariance: Array | None = None
@@ -99,13 +101,15 @@ class Robot:
     snapshot_at_s: float = field(default_factory=time.monotonic)
     snapshot_task: asyncio.Task[None] | None = None
     slam: str = field(init=False)
+    communication: str = field(init=False)
 
     def __post_init__(self) -> None:
-        """Look up the kind of SLAM that its agent was told; a damaged record must not hold up the others."""
+        """Look up what its agent was told; a damaged record must not hold up the others."""
         try:
-            self.slam = codec.decode(self.record.config, AgentConfig).slam
+            config = codec.decode(self.record.config, AgentConfig)
+            self.slam, self.communication = config.slam, config.planning.communication
         except codec.CodecError:
-            self.slam = "unknown"
+            self.slam, self.communication = "unknown", "unknown"
 
     @property
     def robot_id(self) -> str:
@@ -117,6 +121,13 @@ class Robot:
         self.stopped = stopped
         self.record = replace(self.record, stopped=stopped)
 
+    def world_from_map(self) -> Pose2 | None:
+        """Return where the robot's map lies in the world now; None before anything was observed."""
+        world_from_base = self.world_pose()
+        if self.update is None or world_from_base is None:
+            return None
+        return world_from_base @ self.update.pose.inverse()
+
     def take(self, update: AgentUpdate) -> None:
         """Make an update the latest one."""
         if self.update is not None and update.stamp_s > self.update.stamp_s:
@@ -125,6 +136,9 @@ class Robot:
         self.update = update
         if update.graph is not None:
             self.graph = update.graph
+        self.communication = update.methods.communication
+        if update.frontiers is not None:
+            self.frontiers = update.frontiers
         self.told[update.seq] = Told(update.pose, update.command)
         while len(self.told) > _REMEMBERED:
             self.told.popitem(last=False)
@@ -194,10 +208,9 @@ class Robot:
 
 def robot_value(robot: Robot) -> dict[str, object] | None:
     """Return the robot's value on the board, in the world frame; None before anything was observed."""
-    update, world_from_base = robot.update, robot.world_pose()
-    if update is None or world_from_base is None:
+    update, world_from_base, world_from_map = robot.update, robot.world_pose(), robot.world_from_map()
+    if update is None or world_from_base is None or world_from_map is None:
         return None
-    world_from_map = world_from_base @ update.pose.inverse()
     c, s = np.cos(world_from_map.theta), np.sin(world_from_map.theta)
     turned = np.array([[c, -s], [s, c]])
     covariance = np.array(update.covariance)
@@ -225,6 +238,7 @@ def robot_value(robot: Robot) -> dict[str, object] | None:
         "tags_left": update.tags_left,
         "agent": robot.record.agent,
         "slam": robot.slam,
+        "methods": {name: getattr(update.methods, name) for name in Methods.__slots__},
         "stopped": robot.stopped,
         "link": robot.link,
         "slipping": update.slipping,
@@ -235,6 +249,26 @@ def robot_value(robot: Robot) -> dict[str, object] | None:
         "path_m": [_rounded(point) for point in path],
         "speed_mps": round(robot.speed_mps, 3),
     }
+
+
+def frontiers_value(robot: Robot) -> dict[str, object] | None:
+    """Return ``frontiers/ID`` of the board, in the world frame; None before anything was observed."""
+    world_from_map = robot.world_from_map()
+    if world_from_map is None:
+        return None
+    edges = []
+    for edge in robot.frontiers:
+        x, y = world_from_map.transform_point(*edge.goal_m)
+        edges.append(
+            {
+                "x_m": round(x, 2),
+                "y_m": round(y, 2),
+                "length_m": round(edge.length_m, 2),
+                "worth_m": round(edge.worth_m, 2),
+                "chosen": edge.chosen,
+            }
+        )
+    return {"robot_id": robot.robot_id, "frontiers": edges}
 
 
 def _rounded(point: object) -> list[float]:

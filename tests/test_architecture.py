@@ -16,6 +16,7 @@ BESIDE_THE_AGENT = ("robots.sim", "robots.datasets", "robots.experiments")
 GLUE = ("robots.outputs", "robots.evaluation", "robots.client", "robots.warmup")
 TYPES = (
     "robots.types",
+    "robots.orders",
     "robots.se2",
     "robots.graph_report",
     "robots.codec",

@@ -91,7 +91,7 @@ def mount_web(
     viser: tuple[ScenePorts, Gate] | None = None,
     node_modules: Path = NODE_MODULES,
 ) -> None:
-    """Add /, /console, /login, /join, /static, /vendor, /favicon.ico and, if given, /viser to the app.
+    """Add the pages, /static, /vendor, /favicon.ico and, if given, /viser to the app.
 
     ``viser``: what tells the loopback port of a mission's viser server, and who may see it;
     ``node_modules`` is npm's folder.
@@ -105,6 +105,9 @@ def mount_web(
     async def door(request: Request) -> Response:
         return _page(request, STATIC / "door" / "index.html")
 
+    async def people(request: Request) -> Response:
+        return _page(request, STATIC / "people" / "index.html")
+
     async def icon(request: Request) -> Response:
         return _page(request, STATIC / "logo.svg")
 
@@ -112,6 +115,7 @@ def mount_web(
         app.add_api_route(address, console, methods=["GET", "HEAD"], include_in_schema=False)
     for address in ("/login", "/join"):
         app.add_api_route(address, door, methods=["GET", "HEAD"], include_in_schema=False)
+    app.add_api_route("/people", people, methods=["GET", "HEAD"], include_in_schema=False)
     app.add_api_route("/favicon.ico", icon, methods=["GET", "HEAD"], include_in_schema=False)
     app.mount("/static", _Files(directory=STATIC), name="static")
     app.mount("/vendor", _VendorFiles(directory=node_modules, check_dir=False), name="vendor")

@@ -16,7 +16,6 @@ from robots.sim.arena.config import ArenaConfig, Order, Sharing
 from robots.sim.arena.ground import ground_of
 from robots.sim.arena.run import Arena
 from robots.sim.scenario import ScenarioConfig, ScenarioError
-from robots.sim.sensors import LaserConfig
 from robots.sim.starts import StartKind
 from robots.sim.world import WorldError
 
@@ -28,11 +27,7 @@ _RESAMPLED = 4000
 
 @dataclass(frozen=True, slots=True)
 class Case:
-    """One way to explore: the method's name, and what the arena is told.
-
-    ``laser_sd_m``: noise of the laser. With none at all, robots that know the same go the same way: the
-    hardest case for those that do not communicate.
-    """
+    """One way to explore: the method's name, and what the arena is told."""
 
     method: str
     sharing: Sharing
@@ -43,7 +38,6 @@ class Case:
     tag_bits: int = 2048
     tag_error_m: float = 0.0
     robots: int = ROBOTS
-    laser_sd_m: float = 0.0
 
     def config(self, map_spec: str, seed: int) -> ArenaConfig:
         """Return the run in a building; budgets are for it to be measured."""
@@ -55,7 +49,6 @@ class Case:
             start=self.start,
             victims=0,
             tag_bits=self.tag_bits,
-            laser=LaserConfig(sd_m=self.laser_sd_m),
             agent_config=AgentConfig(planning=self.planning),
         )
         return ArenaConfig(

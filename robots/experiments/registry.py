@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from robots.experiments import (
+    amigoni,
     consistency,
     kleiner_cellar,
     kleiner_exploration,
@@ -27,6 +28,7 @@ _ALL: tuple[Experiment, ...] = (
     sun_table1.EXPERIMENT,
     sun_table2.EXPERIMENT,
     ziparo_table2.EXPERIMENT,
+    amigoni.EXPERIMENT,
     consistency.EXPERIMENT,
 )
 

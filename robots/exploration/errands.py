@@ -5,12 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 from math import hypot, isfinite
 
-from robots.config import ConfigError
 from robots.exploration.aim import Aim
 from robots.exploration.frontiers import Frontier
-from robots.exploration.goals import strategy_of
 from robots.exploration.ground import Ground
-from robots.exploration.strategy import Strategy
+from robots.exploration.methods import unknown_method
 from robots.orders import PLACED, Methods, OrderReport, OrderState, RobotOrder
 from robots.planning.plan_grid import UNKNOWN
 
@@ -25,7 +23,7 @@ class Errands:
 
     def __init__(self, methods: Methods) -> None:
         self.methods = methods
-        self.new_strategy: Strategy | None = None  # to be taken up by whoever explores
+        self.changed = Methods()  # to be taken up by whoever explores
         self.standing: RobotOrder | None = None
         self.tag_wanted = False
         self._arrived = self._settled = False
@@ -162,14 +160,13 @@ class Errands:
 
     def _change_methods(self, order: RobotOrder) -> None:
         told, now = order.methods, self.methods
-        if told.explore and told.explore != now.explore:
-            try:
-                self.new_strategy = strategy_of(told.explore)
-            except ConfigError as error:
-                self._report(order, "failed", str(error).partition(": ")[2])
-                return
         names = {name: value for name in Methods.__slots__ if (value := getattr(told, name))}
+        wrong = [text for name, value in names.items() if (text := unknown_method(name, value))]
+        if wrong:
+            self._report(order, "failed", wrong[0])
+            return
         self.methods = replace(now, **names)
+        self.changed = replace(self.changed, **names)
         words = ", ".join(f"{name} by {value}" for name, value in names.items())
         self._report(
             order, "done", words.replace("communication by", "communication:") or "nothing to change"

@@ -10,13 +10,15 @@ import numpy as np
 from robots.config import AgentConfig
 from robots.exploration.aim import Aim, Decision
 from robots.exploration.claims import Claims, PlaceOf
+from robots.exploration.communication import Communication
 from robots.exploration.errands import Errands
 from robots.exploration.frontiers import Frontier
 from robots.exploration.giving_way import give_way
-from robots.exploration.goals import Choice, Goals, strategy_of
+from robots.exploration.goals import Choice, Goals
 from robots.exploration.ground import Ground
 from robots.exploration.homing import Homing
 from robots.exploration.recovery import Blocked, Recovery, place_ahead
+from robots.exploration.shared_grids import SharedGrids
 from robots.exploration.strategy import ExplorationView, PlansLocally
 from robots.exploration.suspects import Suspects
 from robots.exploration.trail import Trail, is_at_end, rest_of
@@ -24,7 +26,7 @@ from robots.mapping.fused import FusedGrid
 from robots.orders import Methods, OrderReport, RobotOrder
 from robots.planning.following import follow
 from robots.planning.gaussian_costs import with_gaussian_costs
-from robots.planning.plan_grid import FREE, PlanGrid, PlanGrids
+from robots.planning.plan_grid import PlanGrid
 from robots.se2 import Pose2
 from robots.types import FrontierReport, LaserScan, Suspect
 
@@ -40,16 +42,19 @@ class Explorer:
         ConfigError: a setting of ``config`` names something that does not exist.
     """
 
-    def __init__(self, config: AgentConfig, seed: Sequence[int] = (0,)) -> None:
+    def __init__(
+        self, config: AgentConfig, seed: Sequence[int] = (0,), communication: Communication | None = None
+    ) -> None:
         self._config = config
+        communication = communication or Communication("", config)
         self._rng = np.random.default_rng(seed)
         self.claims = Claims()
-        self.grids = PlanGrids(config.body, config.planning, config.mapping)
+        self.grids = SharedGrids(config, communication)
         self.trail = Trail()
         self.homing = Homing(config.planning, config.body)
-        self.errands = Errands(Methods(explore=config.planning.explore))
-        self.explored_m2 = 0.0
-        self._goals = Goals(strategy_of(config.planning.explore))
+        told = config.planning
+        self.errands = Errands(Methods(told.explore, told.coordinate, told.communication))
+        self.goals = Goals(config.planning, communication)
         self._suspects = Suspects()
         self._recovery = Recovery(config.planning.stuck_after_s)
         self._aim: Aim | None = None
@@ -68,12 +73,12 @@ class Explorer:
     @property
     def frontiers(self) -> tuple[FrontierReport, ...]:
         """The edges of the unknown it could go to at the last plan, best first."""
-        return self._goals.reports
+        return self.goals.reports
 
     @property
     def local_map_m(self) -> float:
         """The side of the square round the robot that it plans on; 0 where it plans on the whole map."""
-        strategy = self._goals.strategy
+        strategy = self.goals.strategy
         own = strategy.local_map_m if isinstance(strategy, PlansLocally) else 0.0
         return self._config.planning.local_map_m or own
 
@@ -84,9 +89,8 @@ class Explorer:
     def take(self, order: RobotOrder, tags_left: int) -> None:
         """Take an operator's order; see ``order_reports`` for what becomes of it."""
         self.errands.take(order, tags_left)
-        strategy, self.errands.new_strategy = self.errands.new_strategy, None
-        if strategy is not None:
-            self._goals.strategy = strategy
+        changed, self.errands.changed = self.errands.changed, Methods()
+        self.goals.change(changed)
         if order.kind not in ("methods", "drop_tag"):
             self._giving_way_until_s = None
         self.replan()
@@ -152,8 +156,9 @@ class Explorer:
             if now_s < self._giving_way_until_s:
                 return
             self._giving_way_until_s = None
-        grid = self._grid = self._plan_grid(now_s, fused)
-        self.explored_m2 = float((grid.cells == FREE).sum()) * grid.cell_m**2
+        grid = self.grids.of(fused, self._blocked.discs(now_s))
+        local = isinstance(self.goals.strategy, PlansLocally)
+        grid = self._grid = with_gaussian_costs(grid, self._config.planning.ziparo) if local else grid
         ground = Ground.of(grid, pose)
         self._aim = self._give_way(now_s, ground) or self._next(now_s, ground, place_of)
         if self._aim.kind != "edge":
@@ -161,7 +166,7 @@ class Explorer:
 
     def _next(self, now_s: float, ground: Ground, place_of: PlaceOf) -> Aim:
         """Return what to do: go back when it has to, then orders, a possible victim, the unknown."""
-        self._goals.reports = ()
+        self.goals.reports = ()
         why = self.homing.due(now_s, ground)
         if why is not None:
             self.errands.overruled(why)
@@ -170,13 +175,13 @@ class Explorer:
             if aim.kind == "rest" and aim.activity == "done":
                 self.errands.home(aim.reason.rpartition("; ")[2])
             return aim
-        edges = self._goals.edges(ground, self._config.planning.min_frontier_m, now_s)
+        edges = self.goals.edges(ground, self._config.planning.min_frontier_m, now_s)
         aim_ = self.errands.aim(now_s, ground, edges) or self._suspects.aim(ground)
         return aim_ or self._explore(now_s, ground, self.errands.near(edges), place_of)
 
     def _explore(self, now_s: float, ground: Ground, edges: tuple[Frontier, ...], place_of: PlaceOf) -> Aim:
         """Head for the edge that is worth most; where none is left, back to the base."""
-        goals = self._goals
+        goals = self.goals
         choice = goals.choose(self._view(now_s, ground, goals.worth_going(edges, now_s), place_of))
         if choice is None and self._blocked.clear():  # ground left alone is tried before giving up
             self._planned_s = None
@@ -214,7 +219,7 @@ class Explorer:
 
     def _finish(self, ground: Ground, left: tuple[Frontier, ...], now_s: float) -> Aim:
         """Nothing is left to go to now: return to the base, out of the others' way."""
-        again_s = self._goals.waiting(left, now_s)
+        again_s = self.goals.waiting(left, now_s)
         edges = "1 edge" if len(left) == 1 else f"{len(left)} edges"
         if again_s is not None:
             why = f"{edges} of the unknown could not be seen beyond yet; trying again in {again_s:.0f} s"
@@ -224,11 +229,6 @@ class Explorer:
             is_ = "is" if len(left) == 1 else "are"
             return self.homing.aim(ground, f"{edges} of the unknown {is_} left that I could not see beyond")
         return self.homing.aim(ground, "no edge of the unknown is left that I can reach")
-
-    def _plan_grid(self, now_s: float, fused: FusedGrid) -> PlanGrid:
-        grid = self.grids.of(fused, self._blocked.discs(now_s))
-        local = isinstance(self._goals.strategy, PlansLocally)
-        return with_gaussian_costs(grid, self._config.planning.ziparo) if local else grid
 
     def _look(self, now_s: float, pose: Pose2, aim: Aim, at_end: bool) -> float | None:
         """Return how fast to turn (rad/s) to see what lies at the goal, None while driving there.
@@ -250,7 +250,7 @@ class Explorer:
         return turn
 
     def _put_aside(self, goal: tuple[float, float], now_s: float) -> None:
-        self._goals.put_aside(goal, now_s)
+        self.goals.put_aside(goal, now_s)
         self._arrived_s, self._planned_s = None, None
 
     def _rests(self) -> bool:
@@ -295,5 +295,5 @@ class Explorer:
             return None
         aim, wait_s = found
         self._giving_way_until_s = now_s + wait_s
-        self._goals.goal_m = None
+        self.goals.goal_m = None
         return aim

@@ -6,23 +6,29 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import hypot
 
-import numpy as np
-
-from robots.config import ConfigError
+from robots.config import ConfigError, PlanningConfig
+from robots.exploration.communication import Communication
+from robots.exploration.coordination import coordination_of
+from robots.exploration.coordination.original import ways_planned_alone
+from robots.exploration.coordination.team import SAME_GOAL_M, Selfish, Team
 from robots.exploration.frontiers import Frontier, find_frontiers, find_shut_off
 from robots.exploration.ground import Ground
 from robots.exploration.strategies import STRATEGIES
-from robots.exploration.strategy import ExplorationView, OwnCandidates, Strategy
+from robots.exploration.strategy import AnswersTags, ExplorationView, KeepsGoals, OwnCandidates, Strategy
+from robots.orders import Methods
+from robots.planning.travel import UNREACHED
 from robots.types import FrontierReport
 
 MAX_REPORTED = 48
-_SAME_GOAL_M = 1.2  # a frontier this near to the old goal is what the old goal has become
-_KEEP_UNLESS = 0.4  # the old goal is kept unless another is worth more by this share of the way to it
+_ARRIVED_M = 0.4
 _ASIDE_M = 0.7
 _ASIDE_S = (20.0, 60.0)  # a goal that came to nothing is tried again after so long, and then again
-_SWITCHES = 3  # an edge that comes and goes draws a robot back so often, then it is put aside
+_TIMES_CHOSEN = 3
 _TRIES = 1 + len(_ASIDE_S)
 _FORGOTTEN_S = 600.0  # and once more after so long: what stood in the way may have gone
+
+
+Place = tuple[float, float]
 
 
 @dataclass(slots=True)
@@ -55,12 +61,26 @@ class Goals:
     ``goal_m`` (x, y) in the map frame; ``reports`` the edges of the last plan, best first.
     """
 
-    def __init__(self, strategy: Strategy) -> None:
-        self.strategy = strategy
+    def __init__(self, planning: PlanningConfig, communication: Communication) -> None:
+        self.strategy = strategy_of(planning.explore)
+        self.coordination = coordination_of(planning.coordinate)
+        self._communication = communication
         self.goal_m: tuple[float, float] | None = None
         self.reports: tuple[FrontierReport, ...] = ()
-        self._chosen: list[tuple[float, float]] = []  # every goal that another was left for
+        self._chosen: list[Place] = []  # when the goal was another before
+        self.view: ExplorationView | None = None  # at the last choice, where the strategy answers tags by it
+        self._why = ""
+        self._planned = 0
         self._aside: list[_Aside] = []
+
+    def change(self, methods: Methods) -> None:
+        """Go on by other methods; an empty name leaves one as it is. Names are known ones."""
+        if methods.explore:
+            self.strategy = strategy_of(methods.explore)
+        if methods.coordinate:
+            self.coordination = coordination_of(methods.coordinate)
+        if methods.communication:
+            self._communication.kind = methods.communication
 
     def put_aside(self, goal_m: tuple[float, float], now_s: float) -> None:
         """Leave a goal (map frame) for a while: being there did not help. Every time for longer."""
@@ -69,7 +89,7 @@ class Goals:
             known = _Aside(*goal_m, until_s=0.0, tries=0)
             self._aside.append(known)
         known.tries += 1
-        known.until_s = now_s + (*_ASIDE_S, _FORGOTTEN_S)[known.tries - 1]
+        known.until_s = now_s + (*_ASIDE_S, _FORGOTTEN_S)[min(known.tries, _TRIES) - 1]
         self.goal_m = None
 
     def waiting(self, frontiers: Sequence[Frontier], now_s: float) -> float | None:
@@ -94,40 +114,65 @@ class Goals:
         )
 
     def choose(self, view: ExplorationView) -> Choice | None:
-        """Return the frontier that is worth most, None where there is none.
+        """Return the frontier to go to in view of the robots that are heard, None where there is none.
 
-        The old goal is kept while its frontier is still there and nothing much better has come up.
+        The old goal is kept while its frontier is still there and nothing much better has come up; by a
+        strategy that keeps its goals until the robot is there.
         """
+        kept = self._kept(view)
+        if kept is not None:
+            return kept
+        view = self._with_candidates(replace(view, mates_trail=self._communication.mates_trail()))
+        self.view = view if isinstance(self.strategy, AnswersTags) else None
         if not view.frontiers:
             return None
-        view = self._with_candidates(view)
-        worths = self.strategy.worths(view)
-        best = int(np.argmax(worths))
-        if self.goal_m is not None:
-            x, y = self.goal_m
-            far = [hypot(f.goal_m[0] - x, f.goal_m[1] - y) for f in view.frontiers]
-            same = int(np.argmin(far))
-            gained = worths[best] - worths[same]
-            if far[same] < _SAME_GOAL_M and gained <= _KEEP_UNLESS * view.frontiers[same].cost_m:
-                best = same
+        goal_m = None if isinstance(self.strategy, KeepsGoals) else self.goal_m
+        team = self._communication.team(view, self.strategy, goal_m)
+        best = self.coordination.choose(team)
         chosen = view.frontiers[best]
-        if self._is_anew(chosen.goal_m) and self._times(chosen.goal_m) > _SWITCHES:
+        if self._draws_back(chosen.goal_m):
             self.put_aside(chosen.goal_m, view.now_s)
-            self._chosen = [place for place in self._chosen if _apart(place, chosen.goal_m) >= _ASIDE_M]
-            left = (*view.frontiers[:best], *view.frontiers[best + 1 :])
-            return self.choose(replace(view, frontiers=self.worth_going(left, view.now_s)))
-        self.reports = _reports(view.frontiers, [float(worth) for worth in worths], best)
-        return Choice(chosen, self.strategy.reason(view, best))
+            return self.choose(replace(view, frontiers=self.worth_going(view.frontiers, view.now_s)))
+        self._planned += self._ways_planned(team, chosen)
+        self.reports = _reports(view.frontiers, [float(worth) for worth in team.own], best)
+        self._why = self.strategy.reason(view, best)
+        return Choice(chosen, self._why)
 
-    def _is_anew(self, goal_m: tuple[float, float]) -> bool:
-        """Say whether another goal was driven to before; note that this one is from now on."""
-        if self.goal_m is not None and _apart(goal_m, self.goal_m) < _SAME_GOAL_M:
+    def _draws_back(self, goal_m: Place) -> bool:
+        """Say whether a goal was taken in place of another too often: an edge that comes and goes."""
+        if self.goal_m is None or _apart(goal_m, self.goal_m) < SAME_GOAL_M:
             return False
         self._chosen.append(goal_m)
+        if sum(_apart(goal_m, place) < _ASIDE_M for place in self._chosen) <= _TIMES_CHOSEN:
+            return False
+        self._chosen = [place for place in self._chosen if _apart(place, goal_m) >= _ASIDE_M]
         return True
 
-    def _times(self, goal_m: tuple[float, float]) -> int:
-        return sum(_apart(goal_m, place) < _ASIDE_M for place in self._chosen)
+    def take_planned(self) -> int:
+        """Return how many ways were planned to choose goals since this was last asked (Amigoni 2013, 3.3)."""
+        planned, self._planned = self._planned, 0
+        return planned
+
+    def _ways_planned(self, team: Team, chosen: Frontier) -> int:
+        if isinstance(self.strategy, KeepsGoals):
+            return ways_planned_alone(team) if isinstance(self.coordination, Selfish) else team.planned
+        goal = self.goal_m
+        same = (
+            goal is not None and hypot(goal[0] - chosen.goal_m[0], goal[1] - chosen.goal_m[1]) < SAME_GOAL_M
+        )
+        return 0 if same else len(team)  # one flood of the map from each robot
+
+    def _kept(self, view: ExplorationView) -> Choice | None:
+        """Return the goal that the robot is on its way to where its strategy decides on arrival alone."""
+        goal, grid, costs = self.goal_m, view.grid, view.costs
+        if not isinstance(self.strategy, KeepsGoals) or goal is None or grid is None or costs is None:
+            return None
+        cell = grid.cell_of(*goal)
+        arrived = hypot(goal[0] - view.pose.x, goal[1] - view.pose.y) < _ARRIVED_M
+        if arrived or not grid.holds(*cell) or costs[cell] == UNREACHED:
+            return None
+        cost_m = float(costs[cell]) / 5.0 * grid.cell_m
+        return Choice(Frontier(cell, goal, 0.0, cost_m), self._why)
 
     def _with_candidates(self, view: ExplorationView) -> ExplorationView:
         """Return the view with the strategy's own candidates, where it has any."""
@@ -141,7 +186,7 @@ class Goals:
         return max(near, key=lambda aside: aside.until_s, default=None)
 
 
-def _apart(a: tuple[float, float], b: tuple[float, float]) -> float:
+def _apart(a: Place, b: Place) -> float:
     return hypot(a[0] - b[0], a[1] - b[1])
 
 

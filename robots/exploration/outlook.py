@@ -68,7 +68,7 @@ def _flood(kinds: NDArray[np.uint8], most: float) -> Array:
                 for j in range(columns):
                     c = j if sweep & 2 == 0 else columns - 1 - j
                     kind = kinds[r, c]
-                    if kind == _NEWS or kind == _RIM or kind == _WALL:
+                    if kind in (_NEWS, _RIM, _WALL):
                         continue
                     best = ways[r, c]
                     for v in range(max(0, r - 1), min(rows, r + 2)):

@@ -15,7 +15,9 @@ import numpy as np
 from robots.config import AgentConfig
 from robots.exploration.aim import Decision
 from robots.exploration.claims import PlaceOf
+from robots.exploration.communication import Communication
 from robots.exploration.explorer import Explorer
+from robots.exploration.strategy import AnswersTags, DropsEvenly
 from robots.exploration.witness import Witness
 from robots.mapping.fused import FusedGrid
 from robots.mapping.local_grid import LocalGrid
@@ -60,6 +62,7 @@ class Situation:
     orders: tuple[RobotOrder, ...] = ()
     suspects: tuple[Suspect, ...] = ()  # what may be a victim
     read: tuple[TagSighting, ...] = ()
+    heard: tuple[bytes, ...] = ()  # messages of the team
     tag_place: PlaceOf = _no_place
     tag_places: Callable[[], Sequence[tuple[float, float]]] = tuple
     own_map: Callable[[], Sequence[TagBelief]] = tuple
@@ -67,11 +70,16 @@ class Situation:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Intent:
-    """What a scout means to do: drive, drop a tag, write into those just read."""
+    """What a scout means to do: drive, drop a tag, write into those just read, tell the team.
+
+    ``doubts`` say once each what is wrong with what it heard.
+    """
 
     decision: Decision
     drop: bool = False
     writes: tuple[TagWrite, ...] = field(default=())
+    say: bytes | None = None
+    doubts: tuple[str, ...] = ()
 
 
 class Scout:
@@ -85,14 +93,19 @@ class Scout:
         self.robot_id = robot_id
         self.config = config
         own = crc32(robot_id.encode())  # robots told the same seed must not draw alike
-        self.explorer = Explorer(config, (config.seed, own, 1))
+        self._communication = Communication(robot_id, config)
+        self.explorer = Explorer(config, (config.seed, own, 1), self._communication)
         self.explorer.claims.own = key_of(robot_id)
         self._dropper = TagDropper(config.deployment, config.mapping, (config.seed, own, 2))
-        self._witness = Witness(robot_id)
+        self._witness = Witness(robot_id, config.planning.min_frontier_m)
         self._local: LocalGrid | None = None
         self.decision = Decision(0.0, 0.0, "starting", "waiting for the first scan")
-        self._told: tuple[FrontierReport, ...] = ()
-        self._told_s = -inf
+        self.frontiers: tuple[FrontierReport, ...] = ()
+        self._frontiers_s = -inf
+
+    @property
+    def _tags_talk(self) -> bool:
+        return self._communication.kind != "none"
 
     @property
     def tags_left(self) -> int:
@@ -102,11 +115,12 @@ class Scout:
     @property
     def explored_m2(self) -> float:
         """Free ground in the map at the last plan."""
-        return self.explorer.explored_m2
+        return self.explorer.grids.explored_m2
 
     def replan(self) -> None:
         """Plan anew at the next decision: the map has moved."""
         self.explorer.replan()
+        self._communication.moved()
 
     def plan_is_due(self, stamp_s: float) -> bool:
         """Say whether the next decision plans anew and so needs the map as it is now."""
@@ -115,15 +129,18 @@ class Scout:
     def take_frontiers(self, stamp_s: float) -> tuple[FrontierReport, ...] | None:
         """Return the edges it could go to where they changed since this was last asked, once a second."""
         frontiers = self.explorer.frontiers
-        if frontiers == self._told or stamp_s < self._told_s + _TELL_EVERY_S:
+        if frontiers == self.frontiers or stamp_s < self._frontiers_s + _TELL_EVERY_S:
             return None
-        self._told, self._told_s = frontiers, stamp_s
+        self.frontiers, self._frontiers_s = frontiers, stamp_s
         return frontiers
 
     def step(self, now: Situation) -> Intent:
-        """Decide where to go and whether to drop a tag, then believe what was read and answer it."""
-        now = self._with_local_map(now)
-        drop = False
+        """Hear the team, decide where to go and whether to drop a tag, believe what was read and answer."""
+        doubts: tuple[str, ...] = ()
+        if now.seq is not None:  # from the second observation on it is known where the map points
+            doubts = self._communication.hear(now.stamp_s, now.north, now.heard)
+        drop, say = False, None
+        whole, now = now.fused, self._with_local_map(now)
         self._dropper.magazine(now.tags_left)
         for order in now.orders:
             self.explorer.take(order, self._dropper.left)
@@ -140,10 +157,13 @@ class Scout:
                 suspects=now.suspects,
             )
             drop = self._drop(now)
+            say = self._communication.say(
+                now.stamp_s, now.pose, self.decision.goal_m, whole, now.scan.range_max_m
+            )
         for sighting in now.read:
             self._hear(now, sighting)
         writes = tuple(self._writes(now, sighting) for sighting in now.read)
-        return Intent(self.decision, drop, tuple(w for w in writes if w is not None))
+        return Intent(self.decision, drop, tuple(w for w in writes if w is not None), say, doubts)
 
     def _with_local_map(self, now: Situation) -> Situation:
         """Return the same with the small map that is planned on in place of the whole, where there is one."""
@@ -165,11 +185,13 @@ class Scout:
         if self.decision.drop_tag and self._dropper.drop_here(now.distance_m):
             self.explorer.errands.tag_dropped()
             return True
-        return self._dropper.should_drop(now.distance_m, now.pose, now.fused, now.tag_places())
+        strategy = self.explorer.goals.strategy
+        even_m = strategy.tag_every_m if isinstance(strategy, DropsEvenly) else 0.0
+        return self._dropper.should_drop(now.distance_m, now.pose, now.fused, now.tag_places(), even_m)
 
     def _hear(self, now: Situation, sighting: TagSighting) -> None:
         """Believe what a tag of the mission says of the ground round it; its frame needs a compass."""
-        if not now.north:
+        if not now.north or not self._tags_talk:
             return
         try:
             says = open_memory(sighting.memory, sighting.tag_id, self.config.tag_memory.key_bytes)
@@ -181,25 +203,32 @@ class Scout:
     def _writes(self, now: Situation, sighting: TagSighting) -> TagWrite | None:
         """Leave in the tag what is known round it, and where the others are, merged with what it said."""
         tag_id, told = sighting.tag_id, self.config.tag_memory
+        if not self._tags_talk:
+            return None
         try:
             says = open_memory(sighting.memory, tag_id, told.key_bytes)
         except TagMemoryError:
             return None
         if not says.trusted:
             return None  # a stranger's memory is left as it is
-        mine = replace(self._told_of(now, tag_id, says.memory), maps=self._map_to_leave(now))
-        memory = says.memory.merge(mine).fit(told.room_bytes)
+        memory = self._answer(now, tag_id, says.memory).fit(told.room_bytes)
         if memory == says.memory:
             return None
         record = close_memory(memory, says.next_revision, tag_id, told.key_bytes, told.room_bytes)
         return TagWrite(tag_id, record)
+
+    def _answer(self, now: Situation, tag_id: str, said: TagMemory) -> TagMemory:
+        goals, place = self.explorer.goals, now.tag_place(tag_id) if now.north else None
+        if isinstance(goals.strategy, AnswersTags) and goals.view is not None and place is not None:
+            return goals.strategy.answer(said, goals.view, place)
+        return said.merge(replace(self._told_of(now, tag_id, said), maps=self._map_to_leave(now)))
 
     def _told_of(self, now: Situation, tag_id: str, said: TagMemory) -> TagMemory:
         """Return what is known of the ground round a tag; its frame needs a compass."""
         place = now.tag_place(tag_id) if now.north else None
         if place is None:
             return TagMemory.empty()
-        grid = self.explorer.grids.of(now.fused, np.zeros((0, 3)))
+        grid = self.explorer.grids.own.of(now.fused, np.zeros((0, 3)))
         trail_m, goal_m = self.explorer.trail.points, self.decision.goal_m
         return self._witness.about(tag_id, place, said, grid, trail_m, goal_m, now.stamp_s)
 

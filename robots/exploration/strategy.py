@@ -13,6 +13,7 @@ from robots.exploration.claims import KnownTag, Survey
 from robots.exploration.frontiers import Frontier
 from robots.planning.plan_grid import PlanGrid
 from robots.se2 import Array, Pose2
+from robots.tags.memory import TagMemory
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -22,7 +23,8 @@ class ExplorationView:
     The robot's pose, its reachable frontiers, nearest first, and what is unknown, to it and to those whose
     word it has read in tags. ``grid`` and ``costs`` int32 (h, w): the plan grid, and what driving to each of
     its cells costs in fifths of a cell (UNREACHED where it cannot). ``trail`` (k, 4): x, y, heading, stamp of
-    where it was, oldest first; ``path_m`` (n, 2): the rest of its way to its last goal; ``tags``: all that it
+    where it was, oldest first, ``mates_trail`` (m, 4) of where others
+    were that were heard; ``path_m`` (n, 2): the rest of its way to its last goal; ``tags``: all that it
     read, ``base_m`` where reports go; ``battery`` 1 full, 0 empty.
     """
 
@@ -35,6 +37,7 @@ class ExplorationView:
     trail: Array = field(default_factory=lambda: np.zeros((0, 4)))
     path_m: Array = field(default_factory=lambda: np.zeros((0, 2)))
     tags: tuple[KnownTag, ...] = ()
+    mates_trail: Array = field(default_factory=lambda: np.zeros((0, 4)))
     base_m: tuple[float, float] = (0.0, 0.0)
     battery: float = 1.0
     settings: PlanningConfig = field(default_factory=PlanningConfig)
@@ -72,8 +75,31 @@ class OwnCandidates(Protocol):
 
 
 @runtime_checkable
-class PlansLocally(Protocol):
-    """A strategy made for a small map round the robot, with ways by eq. (6) of Ziparo 2007."""
+class KeepsGoals(Protocol):
+    """A strategy that decides anew when the robot has come to where it was sent, not on the way."""
+
+    keeps_goals: bool
+
+
+@runtime_checkable
+class AnswersTags(Protocol):
+    """A strategy with rules of its own for what a tag holds after it was read."""
+
+    def answer(self, memory: TagMemory, view: ExplorationView, tag_m: tuple[float, float]) -> TagMemory:
+        """Return what a tag at a place in the map frame is to hold, given what it said."""
+        ...
+
+
+@runtime_checkable
+class DropsEvenly(Protocol):
+    """A strategy that wants a tag wherever none is known within so far."""
+
+    tag_every_m: float
+
+
+@runtime_checkable
+class PlansLocally(DropsEvenly, Protocol):
+    """A strategy made for a small map round the robot and even tags, with ways by eq. (6) of Ziparo 2007."""
 
     local_map_m: float
 

@@ -11,7 +11,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from robots.mapping.changes import Changes
-from robots.se2 import Pose2
+from robots.se2 import Array, Pose2
 
 _MARGIN_CELLS = 80
 
@@ -30,6 +30,8 @@ class FusedGrid:
 
     Cell (0, 0) has its lower left corner at ``origin`` (x, y) in metres.
     """
+
+    shared = False  # whether the cells are everybody's, as in experiments with one map
 
     def __init__(self, resolution_m: float) -> None:
         self.resolution_m = resolution_m
@@ -57,6 +59,25 @@ class FusedGrid:
         cut = self.cells[row : int(rows[-1]) + 1, column : int(columns[-1]) + 1]
         r = self.resolution_m
         return cut, ((self._column0 + column) * r, (self._row0 + row) * r)
+
+    def covering(self, low_m: Array, high_m: Array, factor: int) -> FusedGrid:
+        """Return a copy that reaches over a box with corners (x, y) too.
+
+        It is larger by multiples of ``factor`` cells, so that squares of so many stay what they are.
+        """
+        r, (h, w) = self.resolution_m, self.cells.shape
+        below, left = (
+            -(-max(0, ceil((o - v) / r)) // factor) * factor
+            for o, v in zip(self.origin[::-1], low_m[::-1], strict=True)
+        )
+        above, right = (
+            -(-max(0, ceil((v - o) / r) - n) // factor) * factor
+            for v, o, n in zip(high_m[::-1], self.origin[::-1], (h, w), strict=True)
+        )
+        copy = FusedGrid(r)
+        copy.cells = np.pad(self.cells, ((below, above), (left, right)))
+        copy._row0, copy._column0 = self._row0 - below, self._column0 - left
+        return copy
 
     def put(
         self,

@@ -40,6 +40,7 @@ class ScanMap(FusedGrid):
         """Return this map, cells and all, in a frame whose origin lies at (x, y) in this one's."""
         other = ScanMap.__new__(ScanMap)
         other.__dict__.update(self.__dict__)
+        other.shared = True
         other._frame_m = self._frame_m[0] + x_m, self._frame_m[1] + y_m
         return other
 

@@ -8,6 +8,8 @@ from typing import get_args
 
 from robots.config import AgentConfig, PlanningConfig
 from robots.estimation.radio.model import ENVIRONMENTS, TagHardware
+from robots.exploration.communication import COMMUNICATIONS
+from robots.exploration.coordination import COORDINATIONS
 from robots.exploration.strategies import STRATEGIES
 from robots.sim.hostile import HostileConfig
 from robots.sim.scenario import (
@@ -55,6 +57,9 @@ def add_scenario_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--slam", metavar="[ROBOT=]KIND,...", help=f"of {', '.join(SLAM_KINDS)}")
     parser.add_argument("--memory", choices=("none", "tags"), default="none", help="maps left in tags")
     parser.add_argument("--explore", choices=tuple(STRATEGIES), default=PlanningConfig().explore)
+    parser.add_argument("--coordinate", choices=tuple(COORDINATIONS), default=PlanningConfig().coordinate)
+    parser.add_argument("--communication", choices=COMMUNICATIONS, default=PlanningConfig().communication)
+    parser.add_argument("--radio-range", type=float, default=usual.team_radio_m, metavar="METRES")
     for name in HostileConfig.__slots__:
         option = f"--{name.replace('_', '-')}"
         parser.add_argument(option, type=int, default=getattr(usual.hostile, name), metavar="COUNT")
@@ -85,9 +90,15 @@ def scenario_from_arguments(arguments: argparse.Namespace) -> ScenarioConfig:
         environment=arguments.environment,
         tags_in_place=arguments.tags_in_place,
         tag_bits=arguments.tag_bits,
+        team_radio_m=arguments.radio_range,
         slam=parse_slam(arguments.slam) if arguments.slam else (),
         agent_config=AgentConfig(
-            planning=PlanningConfig(explore=arguments.explore), map_memory=arguments.memory == "tags"
+            planning=PlanningConfig(
+                explore=arguments.explore,
+                coordinate=arguments.coordinate,
+                communication=arguments.communication,
+            ),
+            map_memory=arguments.memory == "tags",
         ),
     )
 

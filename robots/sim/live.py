@@ -13,7 +13,7 @@ import sys
 import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import dataclass, fields, is_dataclass, replace
 from math import inf
 from threading import Event
 from typing import Any
@@ -21,13 +21,21 @@ from typing import Any
 from robots.agent import RobotAgent, merge_commands
 from robots.client import ClientError, RobotClient
 from robots.config import AgentConfig
+from robots.orders import RobotOrder
 from robots.sim.arguments import add_scenario_arguments, scenario_from_arguments
-from robots.sim.pilots import Agent, AgentFactory, Merge, Pilot, is_cut
+from robots.sim.pilots import Agent, AgentFactory, Merge, Pilot
 from robots.sim.runner import mission_score, radio
-from robots.sim.scenario import START_SD_M, START_SD_RAD, RadioCut, ScenarioConfig, ScenarioError
+from robots.sim.scenario import START_SD_M, START_SD_RAD, RadioCut, ScenarioConfig, ScenarioError, is_cut
 from robots.sim.score import Score
 from robots.sim.simulation import Order, Simulation
-from robots.sim.wire import Json, command_from_wire, command_to_wire, observation_to_wire, pose_to_wire
+from robots.sim.wire import (
+    Json,
+    command_from_wire,
+    command_to_wire,
+    observation_to_wire,
+    order_from_wire,
+    pose_to_wire,
+)
 from robots.sim.world import WorldError
 from robots.types import Command, Observation
 
@@ -69,12 +77,16 @@ class OnboardPilot:
         self._client = client
         self._cuts = tuple(cuts)
         self._stopped = False
+        self._orders: dict[str, RobotOrder] = {}  # told and not taken yet
 
     def decide(self, observations: Sequence[Observation], clock_s: float) -> Order:
         """Step the agent; post what it saw and decided, or keep it for later.
 
         A STOP holds until it is taken back.
         """
+        *before, last = observations
+        observations = (*before, replace(last, orders=tuple(self._orders.values())))
+        self._orders = {}
         updates = [self._agent.step(observation) for observation in observations]
         self._client.keep(
             [observation_to_wire(observation) for observation in observations],
@@ -89,7 +101,9 @@ class OnboardPilot:
         )
         if not is_cut(self._cuts, clock_s):
             try:
-                self._stopped = bool(self._client.post()["stop"])
+                reply = self._client.post()
+                self._stopped = bool(reply["stop"])
+                self._orders = {order["order_id"]: order_from_wire(order) for order in reply["orders"]}
             except ClientError as error:
                 if error.code != "unreachable":  # out of reach is radio silence too
                     raise
@@ -133,7 +147,7 @@ def play(
                 for client in clients.values():
                     client.patience_s = 0.0  # an agent on board does not wait for the server
             pilots = {
-                robot_id: _pilot(config, robot_id, client, agent_factory, merge)
+                robot_id: _pilot(simulation, robot_id, client, agent_factory, merge)
                 for robot_id, client in clients.items()
             }
             _play(simulation, pilots, threads, speed, stop, progress)
@@ -200,12 +214,13 @@ def _register(simulation: Simulation, clients: dict[str, RobotClient], name: str
 
 
 def _pilot(
-    config: ScenarioConfig, robot_id: str, client: RobotClient, agent_factory: AgentFactory, merge: Merge
+    simulation: Simulation, robot_id: str, client: RobotClient, agent_factory: AgentFactory, merge: Merge
 ) -> Pilot:
+    config = simulation.config
     if config.agent == "server":
         return radio(config, robot_id, ServerPilot(client))
     cuts = [cut for cut in config.radio_cuts if cut.robot_id == robot_id]
-    return OnboardPilot(agent_factory(robot_id, config.agent_of(robot_id)), merge, client, cuts)
+    return OnboardPilot(agent_factory(robot_id, simulation.agent_of(robot_id)), merge, client, cuts)
 
 
 def changes(config: Any, default: Any) -> Json:

@@ -11,7 +11,7 @@ from typing import Protocol
 
 from robots.client import MAX_BATCH
 from robots.config import AgentConfig
-from robots.sim.scenario import RadioCut, SilenceConfig
+from robots.sim.scenario import RadioCut, SilenceConfig, is_cut
 from robots.sim.simulation import Order
 from robots.types import AgentUpdate, Command, Observation
 
@@ -80,14 +80,11 @@ class RadioPilot:
         if is_cut(self._cuts, clock_s):
             if self._silence.policy == "hold" and clock_s - self._heard_s >= self._silence.after_s:
                 return Order(Command(), held=True)
-            return replace(self._last, command=replace(self._last.command, drop_tag=False, writes=()))
+            return replace(
+                self._last, command=replace(self._last.command, drop_tag=False, writes=(), say=None)
+            )
         for start in range(0, len(self._backlog), MAX_BATCH):
             self._last = self._inner.decide(self._backlog[start : start + MAX_BATCH], clock_s)
         self._backlog = []
         self._heard_s = clock_s
         return self._last
-
-
-def is_cut(cuts: Sequence[RadioCut], clock_s: float) -> bool:
-    """Return whether one of the cuts covers this moment."""
-    return any(cut.start_s <= clock_s < cut.end_s for cut in cuts)

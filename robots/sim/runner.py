@@ -76,6 +76,7 @@ class SimulationResult:
     """A whole mission. ``stopped`` when it was ended early; ``clock_s`` is how long it ran.
 
     ``covered_s``: when each of ``SHARES`` of what can be seen was seen; None when it was not.
+    ``known_at_base``: the share of it that the base was told of by radio; None without.
     """
 
     config: ScenarioConfig
@@ -85,6 +86,7 @@ class SimulationResult:
     robots: tuple[RobotResult, ...]
     score: Score
     covered_s: Mapping[float, float | None]
+    known_at_base: float | None
     clock_s: float
     wall_s: float
     stopped: bool
@@ -150,7 +152,7 @@ def run(
     simulation = Simulation(config)
     logs = {robot_id: _Log() for robot_id in config.robot_ids}
     agents = {
-        robot_id: _Timed(agent_factory(robot_id, config.agent_of(robot_id)), logs[robot_id].steps_s)
+        robot_id: _Timed(agent_factory(robot_id, simulation.agent_of(robot_id)), logs[robot_id].steps_s)
         for robot_id in config.robot_ids
     }
     pilots: dict[str, Pilot] = {
@@ -183,6 +185,7 @@ def run(
         robots=robots,
         score=mission_score(simulation, [robot.victims_m for robot in robots], coverage.observable),
         covered_s={share: coverage.reached_s(share) for share in SHARES},
+        known_at_base=simulation.team_radio.known_at_base(coverage.observable),
         clock_s=simulation.clock_s,
         wall_s=wall_s,
         stopped=stopped,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from math import isfinite
 from pathlib import Path
@@ -48,6 +49,11 @@ class RadioCut:
     end_s: float
 
 
+def is_cut(cuts: Sequence[RadioCut], clock_s: float) -> bool:
+    """Return whether one of the cuts covers this moment."""
+    return any(cut.start_s <= clock_s < cut.end_s for cut in cuts)
+
+
 @dataclass(frozen=True, slots=True)
 class SilenceConfig:
     """What a robot led by the server does when it hears nothing: stand still after so long, or go on."""
@@ -68,6 +74,7 @@ class ScenarioConfig:
     robots drop. Radio tags are heard in ``environment``, or as ``measured_radio`` says where there is one;
     robots with SLAM over the floor's tags also read the chip of a tag that they drive over. ``slam``: pairs
     of a robot's name, or ``OTHERS``, and its kind. ``tag_bits`` None: as much memory as such tags have.
+    ``team_radio_m``: how far robots that talk by radio hear each other in the open.
     """
 
     map: str = "office:300"
@@ -96,6 +103,7 @@ class ScenarioConfig:
     tags_in_place: int = 0
     tag_bits: int | None = None
     base_tag: bool = True
+    team_radio_m: float = 20.0
     slam: tuple[tuple[str, str], ...] = ()
     agent_config: AgentConfig = field(default_factory=AgentConfig)
 
@@ -121,6 +129,7 @@ class ScenarioConfig:
             raise ScenarioError(
                 f"tag_bits: {self.memory_bits} leave no room for maps beside coverage; use 7104 or more"
             )
+        _within("team_radio_m", self.team_radio_m, 0.1, 10_000.0)
         _within("tags_in_place", self.tags_in_place, 0, 2000)
         _known("environment", self.environment, tuple(ENVIRONMENTS))
         _within("sonars", self.sonars, 0, 64)

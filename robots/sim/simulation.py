@@ -8,12 +8,13 @@ one another's.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
+from robots.config import AgentConfig
 from robots.se2 import Array, Pose2
 from robots.sim.body import Bodies, Motion
 from robots.sim.channel import Channel
@@ -23,6 +24,7 @@ from robots.sim.scenario import FLOOR_SLAM, ODOMETRY_HZ, ScenarioConfig, build_w
 from robots.sim.sensors import Laser, Ring, ThermalCamera, others_near
 from robots.sim.starts import Victim, place_robots, place_tags, place_victims
 from robots.sim.tags import BASE_TAG, Magazine, Reader, TagField
+from robots.sim.team_radio import TeamRadio
 from robots.sim.wheels import Imu, Wheels
 from robots.sim.world import Cells, World
 from robots.types import (
@@ -112,6 +114,7 @@ class Simulation:
             _Robot(config, self.world, index, magazine, body.track_width_m) for index in range(config.robots)
         ]
         self._give_radios()
+        self.team_radio = TeamRadio(config, self.world, self._antenna(0))
         self.seen: Cells = np.zeros_like(self.world.cells)
         self.track: list[Array] = []  # true poses, (n, 3), at each tick
 
@@ -140,6 +143,11 @@ class Simulation:
         start, imu = self.starts[index], self._robots[index].imu
         return start if imu is None else Pose2(start.x, start.y, -imu.off_rad)
 
+    def agent_of(self, robot_id: str) -> AgentConfig:
+        """Return what a robot's agent is told, its surveyed start with it."""
+        start = self.starts[self.index[robot_id]]
+        return replace(self.config.agent_of(robot_id), start=(start.x, start.y, start.theta))
+
     def driven_m(self, robot_id: str) -> float:
         """Return the true distance a robot has driven."""
         return self._robots[self.index[robot_id]].driven_m
@@ -153,6 +161,8 @@ class Simulation:
             robot = self._robots[index]
             robot.order = order
             x, y = self._antenna(index)
+            if order.command.say is not None:
+                self.team_radio.say(index, order.command.say, self.bodies.poses, self.clock_s)
             for write in order.command.writes:
                 self.tags.write(write.tag_id, write.memory, x, y, robot.reaches)
             if order.command.drop_tag and not order.held:
@@ -220,6 +230,7 @@ class Simulation:
             tags_left=robot.magazine.left,
             bumper=bool(motion.pressed[index]),
             held=robot.order.held,
+            heard=self.team_radio.take(index, self.bodies.poses, self.clock_s),
         )
 
     def _tags_read(self, robot: _Robot, pose: Pose2, under: NDArray[np.bool_]) -> tuple[TagSighting, ...]:

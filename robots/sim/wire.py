@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from robots.orders import Methods, RobotOrder
 from robots.se2 import Pose2
 from robots.sim.sensors import far_reading
 from robots.types import (
@@ -65,6 +66,10 @@ def observation_to_wire(observation: Observation) -> Json:
         wire["bumper"] = True
     if observation.held:
         wire["held"] = True
+    if observation.orders:
+        wire["orders"] = [order_to_wire(order) for order in observation.orders]
+    if observation.heard:
+        wire["heard"] = [_text(message) for message in observation.heard]
     return wire
 
 
@@ -88,6 +93,8 @@ def observation_from_wire(wire: Json) -> Observation:
         tags_left=wire.get("tags_left"),
         bumper=wire.get("bumper", False),
         held=wire.get("held", False),
+        orders=tuple(order_from_wire(order) for order in wire.get("orders", ())),
+        heard=tuple(base64.b64decode(message) for message in wire.get("heard", ())),
     )
 
 
@@ -98,6 +105,7 @@ def command_to_wire(command: Command) -> Json:
         "angular_radps": command.angular_radps,
         "drop_tag": command.drop_tag,
         "writes": [{"tag_id": write.tag_id, "memory": _text(write.memory)} for write in command.writes],
+        "say": None if command.say is None else _text(command.say),
     }
 
 
@@ -108,7 +116,22 @@ def command_from_wire(wire: Json) -> Command:
         angular_radps=float(wire["angular_radps"]),
         drop_tag=bool(wire["drop_tag"]),
         writes=tuple(TagWrite(item["tag_id"], base64.b64decode(item["memory"])) for item in wire["writes"]),
+        say=None if wire.get("say") is None else base64.b64decode(wire["say"]),
     )
+
+
+def order_to_wire(order: RobotOrder) -> Json:
+    """Return the JSON object of an operator's order."""
+    x_m, y_m = (None, None) if order.place_m is None else order.place_m
+    wire: Json = {"order_id": order.order_id, "kind": order.kind, "by": order.by, **_fields(order.methods)}
+    return {**wire, "x_m": x_m, "y_m": y_m}
+
+
+def order_from_wire(wire: Json) -> RobotOrder:
+    """Return an operator's order of a reply's JSON object."""
+    place = None if wire["x_m"] is None else (float(wire["x_m"]), float(wire["y_m"]))
+    methods = Methods(*(wire[name] for name in Methods.__slots__))
+    return RobotOrder(wire["order_id"], wire["kind"], wire["by"], place, methods)
 
 
 def pose_to_wire(pose: Pose2) -> Json:

@@ -7,7 +7,7 @@ the left and right hand side of the robot is high": doors and corridors, where s
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from math import cos, exp, sin
+from math import cos, exp, hypot, sin
 
 import numpy as np
 
@@ -56,9 +56,17 @@ class TagDropper:
         self.left = config.magazine
 
     def should_drop(
-        self, distance_m: float, pose: Pose2, fused: FusedGrid, tags: Iterable[tuple[float, float]]
+        self,
+        distance_m: float,
+        pose: Pose2,
+        fused: FusedGrid,
+        tags: Iterable[tuple[float, float]],
+        even_m: float = 0.0,
     ) -> bool:
-        """Say whether to drop a tag here; ``distance_m`` is the way driven so far."""
+        """Say whether to drop a tag here; ``distance_m`` is the way driven so far.
+
+        ``even_m``: drop one wherever none lies within so far, unless the settings say how far.
+        """
         moved = distance_m - self._distance_m
         if moved < 0.1 or self.left <= 0 or not fused.cells.size:
             return False
@@ -66,6 +74,10 @@ class TagDropper:
         if distance_m < self._waiting_until_m:
             return False
         config = self._config
+        even_m = config.even_m or even_m
+        if even_m > 0.0:
+            near = any(hypot(pose.x - x, pose.y - y) < even_m for x, y in tags)
+            return not near and self.drop_here(distance_m)
         wanted = max(0.0, 1.0 - 2.0 * tag_density(pose.x, pose.y, tags, config.spacing_m))
         sides = side_density(pose, fused, config.side_window_m, self._mapping.occupied_logodds)
         rate = config.rate_per_m * wanted * (_OPEN_SHARE + (1.0 - _OPEN_SHARE) * sides)

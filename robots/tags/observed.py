@@ -22,8 +22,7 @@ from robots.tags.memory import (
 )
 from robots.tags.window import no_cells, trimmed
 
-import os
-_KNOWN_SHARE = float(os.environ.get('KS','0.15'))
+_KNOWN_SHARE = 0.15  # walls fill much of a cell; what is free in it is closed all the same
 
 
 def observed_memory(
@@ -31,8 +30,8 @@ def observed_memory(
 ) -> TagMemory:
     """Return what a robot's plan grid (map frame, x north) knows round a tag at (x, y).
 
-    ``phase``: the lattice of its cells. A cell is open while free ground in it borders on the unknown, and
-    closed once half of it is known: there is no way from a closed cell to one that nobody has seen.
+    ``phase``: the lattice of its cells. A cell is open while a frontier of ``min_frontier_m`` or more lies in
+    it, and else closed once some of it is known: there is no way from a closed cell to one nobody has seen.
     """
     if not grid.cells.size:
         return TagMemory.empty()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from typing import Any
 
 from fastapi import APIRouter, Response
 
@@ -65,9 +66,12 @@ async def get_robot(robot_id: str, mission: OneMission) -> RobotOut:
 
 
 def _config(body: RobotIn, tag_key: str) -> AgentConfig:
-    """Return the robot's configuration; its tags bear the mission's seal unless it has another key."""
+    """Return the robot's configuration: the mission's seal for tags, its surveyed start, what it asks for."""
     try:
-        config = override(override(AgentConfig(), {"tag_memory": {"key": tag_key}}), body.config)
+        known: dict[str, Any] = {"tag_memory": {"key": tag_key}}
+        if body.start_pose is not None:
+            known["start"] = [body.start_pose.x_m, body.start_pose.y_m, body.start_pose.yaw_rad]
+        config = override(override(AgentConfig(), known), body.config)
         RobotAgent(body.robot_id, config)  # a setting may name something that does not exist
     except ConfigError as error:
         field = str(error).split(" ", 1)[0].rstrip(":")

@@ -13,6 +13,9 @@ from typing import Annotated
 import typer
 
 from server.cli.options import (
+    Communication,
+    CommunicationOption,
+    CoordinateOption,
     EnvironmentOption,
     ExploreOption,
     Memory,
@@ -39,6 +42,8 @@ def demo(
     slam: SlamOption = None,
     memory: MemoryOption = Memory.NONE,
     explore: ExploreOption = "waymark",
+    coordinate: CoordinateOption = "none",
+    communication: CommunicationOption = Communication.TAGS,
     fires: Annotated[int, typer.Option(metavar="N", help="Fires; active nodes near them tell.")] = 0,
     host: HostOption = None,
     port: PortOption = None,
@@ -64,6 +69,8 @@ def demo(
             "memory": memory.value,
             "fires": fires,
             "explore": explore,
+            "coordinate": coordinate,
+            "communication": communication.value,
         }
         | ({"slam": slam} if slam else {})
     )

@@ -72,6 +72,33 @@ ExploreOption = Annotated[
     str,
     typer.Option(metavar="NAME", help="How robots choose where to go: nearest, information-gain or waymark."),
 ]
+CoordinateOption = Annotated[
+    str,
+    typer.Option(
+        metavar="NAME",
+        help="How robots that hear each other share out where to go: none, random, simplified, original,"
+        " burgard, exclusion, hungarian or voronoi.",
+    ),
+]
+
+
+class Communication(StrEnum):
+    """How robots hear each other."""
+
+    NONE = "none"
+    TAGS = "tags"
+    FULL = "full"
+    RADIO = "radio"
+
+
+CommunicationOption = Annotated[
+    Communication,
+    typer.Option(help="Not at all, through tags alone, all of them always, or those in radio reach."),
+]
+RadioRangeOption = Annotated[
+    float,
+    typer.Option(metavar="METRES", help="How far robots that talk by radio hear each other in the open."),
+]
 
 
 def finite(name: str, value: float, above: float | None = None, at_least: float | None = None) -> float:

@@ -12,12 +12,16 @@ import typer
 from server.cli.console import CommandError, print_json, print_table, progress
 from server.cli.options import (
     TAGS_PANEL,
+    Communication,
+    CommunicationOption,
+    CoordinateOption,
     EnvironmentOption,
     ExploreOption,
     JsonOption,
     Memory,
     MemoryOption,
     OutOption,
+    RadioRangeOption,
     SlamOption,
     TagBitsOption,
     Tags,
@@ -65,6 +69,9 @@ def simulate(
     victims: Annotated[int, typer.Option(metavar="N", help="People to be found.")] = 4,
     start: Annotated[Start, typer.Option(help="All at one place, or spread over the building.")] = Start.SAME,
     explore: ExploreOption = "waymark",
+    coordinate: CoordinateOption = "none",
+    communication: CommunicationOption = Communication.TAGS,
+    radio_range: RadioRangeOption = 20.0,
     radio_cut: Annotated[
         list[str] | None, typer.Option(metavar="ROBOT:FROM:TO", help="Silence in seconds; may be repeated.")
     ] = None,
@@ -124,6 +131,7 @@ def simulate(
     from robots.config import AgentConfig, PlanningConfig
     from robots.datasets.radio_file import read_radio
     from robots.datasets.recording import RecordingError
+    from robots.exploration.coordination import COORDINATIONS
     from robots.exploration.strategies import STRATEGIES
     from robots.sim.arguments import parse_radio_cut
     from robots.sim.hostile import HostileConfig
@@ -134,6 +142,8 @@ def simulate(
     finite("--minutes", minutes, above=0.0)
     if explore not in STRATEGIES:
         raise CommandError(f"--explore has to be one of {', '.join(STRATEGIES)}, not {explore!r}")
+    if coordinate not in COORDINATIONS:
+        raise CommandError(f"--coordinate has to be one of {', '.join(COORDINATIONS)}, not {coordinate!r}")
     check_writable(out)
     try:
         config = ScenarioConfig(
@@ -172,8 +182,12 @@ def simulate(
             tags_in_place=tags_in_place,
             slam=parse_slam(slam) if slam else (),
             tag_bits=tag_bits,
+            team_radio_m=radio_range,
             agent_config=AgentConfig(
-                planning=PlanningConfig(explore=explore), map_memory=memory is Memory.TAGS
+                planning=PlanningConfig(
+                    explore=explore, coordinate=coordinate, communication=communication.value
+                ),
+                map_memory=memory is Memory.TAGS,
             ),
         )
         outcome = play(config)
@@ -212,6 +226,7 @@ def report(outcome: SimulationResult, out: Path | None) -> dict[str, Any]:
         "observable_m2": score.observable_m2,
         "coverage": score.coverage,
         "covered_s": {f"{share:.0%}": clock_s for share, clock_s in outcome.covered_s.items()},
+        "known_at_base": outcome.known_at_base,
         "distance_m": score.distance_m,
         "score": score.score_m,
         "victims_found": score.victims_found,

@@ -31,8 +31,10 @@ from server.mission.events import Events
 from server.mission.links import Links
 from server.mission.memories import Memories
 from server.mission.nodes import Nodes
+from server.mission.orders import Orders
 from server.mission.presence import Presence
 from server.mission.recovery import Recovery
+from server.mission.relay import Relay
 from server.mission.replies import fresh_of, reply_to
 from server.mission.roster import Roster
 from server.mission.senders import Senders
@@ -72,12 +74,16 @@ class Mission:
         self._tasks = Tasks(mission_id)
         self.roster = Roster(record, store, forks, self.board, self.events, self._tasks)
         self.stops = Stops(store, self.roster, self.events)
+        self.orders = Orders(store, mission_id, self.board, self.events)
         doubts = Doubts(store, mission_id, self.events)
         self.shared_map = SharedMap(store, forks, self.board, self.roster, self.victims, doubts, on_grid)
         self.best_map = BestMap(store, forks, self.board, self.roster, self.shared_map, self._tasks)
+        self._relay = Relay(self.roster)
         self._senders = Senders(store, mission_id, self.events)
         self._links = Links(self.roster, self.events, settings)
-        self._recovery = Recovery(store, self.roster, self.shared_map, self.memories, self._tasks, settings)
+        self._recovery = Recovery(
+            store, self.roster, self.shared_map, self.memories, self.orders, self._tasks, settings
+        )
         self._store = store
         self._settings = settings
         self._tasks.spawn(self._links.watch())
@@ -92,6 +98,7 @@ class Mission:
         await self.annotations.restore()
         await self.victims.restore()
         await self.nodes.restore()
+        await self.orders.restore()
         await self.shared_map.restore()
         await self._recovery.restore()
 
@@ -155,23 +162,27 @@ class Mission:
         found = differences(robot, onboard)
         if onboard:
             await self._tell_difference(robot, found)
-        return reply_to(robot, batch, len(fresh), len(batch) - len(fresh), found)
+        orders = self.orders.waiting(robot) if robot.record.agent == "onboard" else ()
+        return reply_to(robot, batch, len(fresh), len(batch) - len(fresh), found, orders)
 
     async def _accept(self, robot: Robot, fresh: list[Observation]) -> None:
         """Save observations, and only then let the agent think about them."""
         now = time.time()
+        fresh = self.orders.attach(robot, self._relay.heard(robot, fresh))
         bodies = [codec.encode(observation) for observation in fresh]
         records = [
             ObservationRecord(observation.seq, observation.stamp_s, now, body)
             for observation, body in zip(fresh, bodies, strict=True)
         ]
         await self._store.log.append_observations(self.mission_id, robot.robot_id, records)
+        self._relay.done(robot, fresh[0])
         robot.next_seq = fresh[-1].seq + 1
         robot.last_stamp_s = fresh[-1].stamp_s
         robot.battery = next((o.battery for o in reversed(fresh) if o.battery is not None), robot.battery)
         robot.thought = self._tasks.spawn(
             self._think(robot, [(record.seq, record.body) for record in records])
         )
+        await self.orders.delivered(fresh)
         await self.memories.keep_read(robot.robot_id, fresh)
         await self.nodes.take(robot.robot_id, fresh)
 
@@ -205,9 +216,12 @@ class Mission:
             before = robot.update
             updates = [self._take(robot, answer) for answer in answers]
             made = [update for update in updates if update is not None]
+            self._relay.take(robot, made)
             await self._save(robot, made)
             self.roster.publish([robot])
             await self._tell_activity(robot, before)
+            for update in made:
+                await self.orders.report(update)
             for text in dict.fromkeys(doubt for update in made for doubt in update.doubts):
                 await self.events.tell("tag_doubtful", f"{robot.robot_id}: {text}", robot.robot_id, "warning")
             self._recovery.snapshot_when_due(robot)

@@ -14,6 +14,7 @@ from robots.types import AgentUpdate, Observation
 from server.agents.host import Answer
 from server.agents.process import WorkerDiedError
 from server.mission.memories import Memories
+from server.mission.orders import Orders
 from server.mission.roster import Roster
 from server.mission.shared_map import SharedMap
 from server.mission.tasks import Tasks
@@ -35,6 +36,7 @@ class Recovery:
         roster: Roster,
         shared_map: SharedMap,
         memories: Memories,
+        orders: Orders,
         tasks: Tasks,
         settings: Settings,
     ) -> None:
@@ -42,6 +44,7 @@ class Recovery:
         self._roster = roster
         self._shared_map = shared_map
         self._memories = memories
+        self._orders = orders
         self._tasks = tasks
         self._settings = settings
 
@@ -112,6 +115,8 @@ class Recovery:
                 update = codec.decode(answer.update, AgentUpdate)
                 robot.take(update)
                 self._shared_map.put(robot, update)
+                if update.orders:
+                    self._tasks.spawn(self._orders.report(update))
                 if update.command.writes:  # the server may have ended before it kept them; merging is safe
                     self._tasks.spawn(self._memories.keep_written(robot.robot_id, update.command.writes))
 

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 from robots.agent import merged_command
+from robots.orders import RobotOrder
 from robots.types import Command, Observation
 from server.errors import ApiError
 from server.robot import Robot
-from server.schemas.convert import command_to_wire, pose_to_wire
+from server.schemas.convert import command_to_wire, order_to_wire, pose_to_wire
 
 
 def fresh_of(robot: Robot, batch: Sequence[Observation]) -> list[Observation]:
@@ -50,14 +52,20 @@ def reply_to(
     accepted: int,
     duplicates: int,
     differences: list[dict[str, Any]],
+    orders: Sequence[RobotOrder] = (),
 ) -> dict[str, Any]:
-    """Return the reply to a batch: the order of its observations, or the last one; STOP before either."""
+    """Return the reply to a batch: the order of its observations, or the last one; STOP before either.
+
+    ``orders``: an operator's, for an agent on board.
+    """
     told = [robot.told[o.seq] for o in batch if o.seq in robot.told]
     if not told and robot.told:
         told = [next(reversed(robot.told.values()))]
     command = merged_command([item.command for item in told]) if told else Command()
     if robot.stopped:
         command = Command()
+    if robot.communication == "full" and robot.record.agent == "server":
+        command = replace(command, say=None)  # the server has told the others
     return {
         "next_seq": robot.next_seq,
         "accepted": accepted,
@@ -66,4 +74,5 @@ def reply_to(
         "pose": pose_to_wire(told[-1].pose) if told else None,
         "command": command_to_wire(command),
         "differences": differences,
+        "orders": [order_to_wire(order) for order in orders],
     }

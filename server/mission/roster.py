@@ -16,7 +16,7 @@ from server.board import Board
 from server.errors import ApiError, unknown
 from server.mission.events import Events
 from server.mission.tasks import Tasks
-from server.robot import Robot, RobotLog, robot_value
+from server.robot import Robot, RobotLog, frontiers_value, robot_value
 
 log = structlog.get_logger()
 
@@ -114,7 +114,10 @@ class Roster:
 
     def publish(self, robots: Iterable[Robot] = ()) -> None:
         """Put robots, and the mission with its clock, on the board."""
-        values = {f"robot/{robot.robot_id}": robot_value(robot) for robot in robots}
+        values = {}
+        for robot in robots:
+            values[f"robot/{robot.robot_id}"] = robot_value(robot)
+            values[f"frontiers/{robot.robot_id}"] = frontiers_value(robot)
         stamps = [robot.last_stamp_s for robot in self.robots.values() if robot.last_stamp_s is not None]
         mission = {
             "mission_id": self.record.mission_id,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from dataclasses import fields
+from dataclasses import fields, replace
 from math import inf
 
 from db.records import ObservationRecord
@@ -41,10 +41,16 @@ class Senders:
             return
         seq = known[-1].seq
         async for record in self._store.log.observations_after(self._mission_id, name, seq - 1, seq):
-            if record.body != codec.encode(known[-1]):
+            if record.body != codec.encode(known[-1]) and _differs(record, known[-1]):
                 self._told_s[name] = time.monotonic()
                 text = _text(name, record, known[-1], before, sender)
                 await self._events.tell("name_shared", text, name, "alarm")
+
+
+def _differs(record: ObservationRecord, other: Observation) -> bool:
+    """Say whether more differs than what the server added: orders, and messages of the team."""
+    kept = codec.decode(record.body, Observation)
+    return codec.encode(replace(kept, heard=other.heard, orders=other.orders)) != codec.encode(other)
 
 
 def _text(name: str, record: ObservationRecord, other: Observation, before: str, sender: str) -> str:

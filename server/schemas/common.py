@@ -31,6 +31,7 @@ Radians = Annotated[float, Field(ge=-1e4, le=1e4)]
 Seconds = Annotated[float, Field(ge=-1e12, le=1e12)]
 Share = Annotated[float, Field(ge=0.0, le=1.0)]
 Base64 = Annotated[str, Field(max_length=16_384), AfterValidator(_is_base64)]
+TeamBytes = Annotated[str, Field(max_length=44_000), AfterValidator(_is_base64)]
 Covariance = Annotated[
     list[float], Field(min_length=3, max_length=3, description="xx, xy, yy in square metres.")
 ]

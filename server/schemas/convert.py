@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from robots.orders import Methods, RobotOrder
 from robots.se2 import Pose2
 from robots.types import (
     Command,
@@ -34,6 +35,7 @@ from server.schemas.observations import (
     TagSightingWire,
     WheelsWire,
 )
+from server.schemas.orders import RobotOrderWire
 
 
 def observation_from_wire(wire: ObservationIn) -> Observation:
@@ -60,6 +62,8 @@ def observation_from_wire(wire: ObservationIn) -> Observation:
         tags_left=wire.tags_left,
         bumper=wire.bumper,
         held=wire.held,
+        orders=tuple(_order(order) for order in wire.orders),
+        heard=tuple(base64.b64decode(message) for message in wire.heard),
     )
 
 
@@ -73,13 +77,22 @@ def command_to_wire(command: Command) -> dict[str, Any]:
             {"tag_id": write.tag_id, "memory": base64.b64encode(write.memory).decode()}
             for write in command.writes
         ],
+        "say": None if command.say is None else base64.b64encode(command.say).decode(),
     }
 
 
 def command_from_wire(wire: CommandWire) -> Command:
     """Return the command that was sent."""
     writes = tuple(TagWrite(write.tag_id, base64.b64decode(write.memory)) for write in wire.writes)
-    return Command(wire.linear_mps, wire.angular_radps, wire.drop_tag, writes)
+    say = None if wire.say is None else base64.b64decode(wire.say)
+    return Command(wire.linear_mps, wire.angular_radps, wire.drop_tag, writes, say)
+
+
+def order_to_wire(order: RobotOrder) -> dict[str, Any]:
+    """Return the JSON object of an order as its robot is told."""
+    x_m, y_m = (None, None) if order.place_m is None else order.place_m
+    methods = {name: getattr(order.methods, name) for name in Methods.__slots__}
+    return {"order_id": order.order_id, "kind": order.kind, "by": order.by, "x_m": x_m, "y_m": y_m, **methods}
 
 
 def pose_to_wire(pose: Pose2) -> dict[str, float]:
@@ -98,6 +111,12 @@ def _odometry(wire: ObservationIn) -> Odometry | None:
     if isinstance(odometry, DistanceTurnWire):
         return DistanceTurn(odometry.distance_m, odometry.turn_rad)
     return Displacement(odometry.dx_m, odometry.dy_m, odometry.dtheta_rad)
+
+
+def _order(wire: RobotOrderWire) -> RobotOrder:
+    place = None if wire.x_m is None or wire.y_m is None else (wire.x_m, wire.y_m)
+    methods = Methods(wire.explore, wire.coordinate, wire.communication)
+    return RobotOrder(wire.order_id, wire.kind, wire.by, place, methods)
 
 
 def _tag(wire: TagSightingWire) -> TagSighting:

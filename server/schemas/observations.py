@@ -7,7 +7,8 @@ from typing import Annotated, Literal, Self
 from pydantic import ConfigDict, Field, model_validator
 from pydantic.config import JsonDict
 
-from server.schemas.common import Base64, Name, PoseWire, Radians, Seconds, Share, Wire
+from server.schemas.common import Base64, Name, PoseWire, Radians, Seconds, Share, TeamBytes, Wire
+from server.schemas.orders import MAX_ORDERS, RobotOrderWire
 
 MAX_BATCH = 2_000
 MAX_BEAMS = 4_096
@@ -183,6 +184,14 @@ class ObservationIn(Wire):
     tags_left: int | None = Field(None, ge=0, le=1_000_000, description="Tags in the magazine.")
     bumper: bool = Field(False, description="Pressed against something.")
     held: bool = Field(False, description="Standing still by an order.")
+    orders: list[RobotOrderWire] = Field(
+        default_factory=list,
+        max_length=MAX_ORDERS,
+        description="What an agent on board was told by the last reply; to others the server adds it.",
+    )
+    heard: list[TeamBytes] = Field(
+        default_factory=list, max_length=256, description="Messages of the team, as `say` of a command."
+    )
 
 
 class TagWriteWire(Wire):
@@ -199,6 +208,7 @@ class CommandWire(Wire):
     angular_radps: float
     drop_tag: bool
     writes: list[TagWriteWire]
+    say: TeamBytes | None = Field(None, description="A message to the robots in reach, in base64.")
 
 
 class OnboardWire(Wire):
@@ -237,3 +247,6 @@ class BatchOut(Wire):
     pose: PoseWire | None = Field(description="In the robot's map frame; null while the agent is starting.")
     command: CommandWire
     differences: list[DifferenceWire]
+    orders: list[RobotOrderWire] = Field(
+        description="For an agent on board: to be put into its next observation."
+    )

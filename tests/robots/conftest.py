@@ -146,6 +146,7 @@ class FakeControl:
             "pose": {"x_m": 0.0, "y_m": 0.0, "yaw_rad": 0.0},
             "command": STILL if stop else self._last[robot_id],
             "differences": [],
+            "orders": [],
         }
 
 

@@ -32,7 +32,9 @@ def story(tmp_path, make_control, drive, wait_until):
 def shown(stream):
     """What people see of robots and findings, without what hangs at the time."""
     state = {
-        key: value for key, value in stream.state.items() if not key.startswith(("event/", "map", "trail/"))
+        key: value
+        for key, value in stream.state.items()
+        if not key.startswith(("event/", "map", "trail/", "person/"))
     }
     return {
         key: {name: item for name, item in value.items() if name not in ("heard_unix_s", "link", "speed_mps")}
@@ -85,7 +87,7 @@ def test_everything_is_there_after_a_restart_and_the_robot_goes_on(story, drive)
         stream.settle()
         after = shown(stream)
         again = stream.state["trail/r1"]["points_m"]
-    before[f"victim/{victim_id}"] |= said
+    before[f"victim/{victim_id}"] |= said | {"by": "operator"}
     before["annotation/6f9619ff-8b86-4d01-b42d-00cf4fc964ff"] = line.get("/annotations")["annotations"][0]
     assert after == before
     assert _length(again) > 0.7 * _length(trail)

@@ -1,8 +1,9 @@
-"""The door in a browser: the first commander joins by the printed link, logs out, and in again."""
+"""People in a browser: the first commander joins by the printed link, invites others, shuts them out."""
 
 from __future__ import annotations
 
 import re
+import time
 from pathlib import Path
 
 import pytest
@@ -27,8 +28,6 @@ def page(browser: Browser) -> Page:
 
 
 def _printed(capsys: pytest.CaptureFixture[str]) -> str:
-    import time
-
     out = ""
     for _ in range(300):
         out += capsys.readouterr().out
@@ -36,6 +35,14 @@ def _printed(capsys: pytest.CaptureFixture[str]) -> str:
             break
         time.sleep(0.05)
     return out
+
+
+def join(page: Page, link: str, name: str) -> None:
+    page.goto(link)
+    page.get_by_label("Your name").fill(name)
+    page.get_by_label("Password", exact=True).fill("correct horse")
+    page.get_by_role("button", name="Join").click()
+    expect(page.get_by_label(f"Logged in as {name}")).to_be_visible()
 
 
 def test_joining_logging_out_and_in_again(link: str, page: Page) -> None:
@@ -63,11 +70,7 @@ def test_joining_logging_out_and_in_again(link: str, page: Page) -> None:
 
 def test_a_used_link_and_a_foreign_way_on_are_refused(link: str, page: Page) -> None:
     home = link.split("/join")[0]
-    page.goto(link)
-    page.get_by_label("Your name").fill("Ada")
-    page.get_by_label("Password", exact=True).fill("correct horse")
-    page.get_by_role("button", name="Join").click()
-    expect(page.get_by_label("Logged in as Ada, commander")).to_be_visible()
+    join(page, link, "Ada")
     page.goto("about:blank")
     page.goto(link)
     page.get_by_label("Your name").fill("Eve")
@@ -80,3 +83,36 @@ def test_a_used_link_and_a_foreign_way_on_are_refused(link: str, page: Page) -> 
     page.get_by_role("button", name="Log in").click()
     expect(page).to_have_url(re.compile(re.escape(home)))
     expect(page.get_by_label("Logged in as Ada, commander")).to_be_visible()
+
+
+def test_a_commander_invites_gives_a_robot_its_token_and_shuts_out(
+    link: str, page: Page, browser: Browser
+) -> None:
+    join(page, link, "Ada")
+    page.get_by_label("Logged in as Ada").click()
+    page.get_by_role("link", name="People").click()
+    page.get_by_label("Invite somebody as").select_option("operator")
+    page.get_by_role("button", name="Make a link").click()
+    invitation = page.locator(".secret code").inner_text()
+    other = browser.new_context().new_page()
+    join(other, invitation, "Ben <b>")
+    page.reload()
+    expect(page.get_by_label("Role of Ben <b>")).to_have_value("operator")
+
+    page.get_by_label("What it is for").fill("red rover")
+    page.get_by_role("button", name="Make a token").click()
+    expect(page.locator(".secret")).to_contain_text("told only now")
+    token = page.locator(".secret code").inner_text()
+    api = f"{link.split('/join')[0]}/api/v1/missions"
+    shown = {"Authorization": f"Bearer {token}"}
+    assert other.request.get(api, headers=shown).status == 200
+    page.get_by_role("button", name="Revoke").click()
+    expect(page.get_by_text("revoked")).to_be_visible()
+    assert other.request.get(api, headers=shown).status == 401
+
+    page.get_by_role("row", name="Ben <b>").get_by_role("button", name="Shut out").click()
+    expect(page.get_by_text("Ben <b> (shut out)")).to_be_visible()
+    expect(other).to_have_url(re.compile("/login"), timeout=15_000)
+    expect(page.get_by_text("change account: Ben <b>")).to_be_visible()
+    page.get_by_label("Role of Ada").select_option("viewer")
+    expect(page.get_by_role("alert")).to_contain_text("Nobody would be left who is a commander")

@@ -23,6 +23,8 @@ _LEAST_WAY_M = 1.0
 class Aojrf:
     """Weighs the free ground beyond the safe, the chance to report from there, the way and the battery."""
 
+    keeps_goals = True  # "go to their destination locations and start again"
+
     def candidates(self, view: ExplorationView) -> tuple[Frontier, ...]:
         """Return the middles of the free ground beyond each boundary of the safe."""
         return safe_candidates(view)
@@ -43,7 +45,8 @@ def safe_candidates(view: ExplorationView) -> tuple[Frontier, ...]:
     """Return the candidate locations of Amigoni 2013 section 3.1."""
     if view.grid is None or view.costs is None:
         return ()
-    grids = three_grids(view.grid, view.trail, view.settings.safe.safe_m)
+    trails = np.concatenate([view.trail, view.mates_trail])
+    grids = three_grids(view.grid, trails, view.settings.safe.safe_m)
     return find_candidates(view.grid, view.costs, grids)
 
 

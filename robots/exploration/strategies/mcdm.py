@@ -24,6 +24,8 @@ CAPACITY = Capacity("AdPb", {frozenset(group): weight for group, weight in WEIGH
 class Mcdm:
     """Weighs groups of criteria together: a place near and large counts more than both for themselves."""
 
+    keeps_goals = True  # "go to their destination locations and start again"
+
     def candidates(self, view: ExplorationView) -> tuple[Frontier, ...]:
         """Return the middles of the free ground beyond each boundary of the safe."""
         return safe_candidates(view)

@@ -25,9 +25,10 @@ class ArenaConfig:
     the tags stay. ``sharing``: nothing, what tags say, or one map. ``reader_m``: tags are read so far off, by
     a plate over the floor, or from ``SIGHT_FROM_M`` on in line of sight; one that stays in reach is read
     again every ``read_every_s``. ``tag_error_m``: deviation of a tag's place as each robot believes it.
-    ``collide``: whether robots stand in each other's way and view; where they do not, all of the same start
-    begin at one and the same place. A run ends after ``limit_s``, when ``until`` of what can be seen was
-    seen, or when nobody has anything left to do. The score is taken when the team has driven its budgets.
+    ``plan_cost_s``: so long a robot stands for every way that it plans to choose where to go. ``collide``:
+    whether robots stand in each other's way and view. A run ends after ``limit_s``, when ``until`` of what
+    can be seen was seen, or when nobody has anything left to do. The score is taken when the team has driven
+    its budgets.
     """
 
     scenario: ScenarioConfig
@@ -40,6 +41,7 @@ class ArenaConfig:
     read_every_s: float = 2.0
     tag_error_m: float = 0.0
     collide: bool = False
+    plan_cost_s: float = 0.0
 
     def __post_init__(self) -> None:
         """Refuse what cannot be played. Raises ScenarioError."""
@@ -47,7 +49,7 @@ class ArenaConfig:
             raise ScenarioError("the arena plays scenarios with poses=truth")
         if self.in_order == "sequence" and not isfinite(self.budget_m):
             raise ScenarioError("budget_m: robots in sequence need one; give the metres each may drive")
-        for name in ("reader_m", "tag_error_m", "limit_s", "read_every_s"):
+        for name in ("reader_m", "tag_error_m", "limit_s", "read_every_s", "plan_cost_s"):
             if not isfinite(getattr(self, name)) or getattr(self, name) < 0.0:
                 raise ScenarioError(f"{name} has to be a finite number of 0 or more")
 

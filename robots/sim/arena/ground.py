@@ -20,7 +20,7 @@ class Ground:
 
     world: World
     observable: Mask
-    starts: tuple[Pose2, ...]  # apart from each other
+    starts: tuple[Pose2, ...]
 
     @property
     def observable_m2(self) -> float:

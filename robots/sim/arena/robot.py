@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import hypot
 
 import numpy as np
@@ -35,18 +36,13 @@ class ArenaRobot:
     """One robot; ``pose`` is its true pose in the world, ``seen`` uint8 (h, w) what its laser truly saw."""
 
     def __init__(
-        self,
-        config: ArenaConfig,
-        ground: Ground,
-        field: TagField,
-        index: int,
-        start: Pose2,
-        shared: ScanMap | None,
+        self, config: ArenaConfig, ground: Ground, field: TagField, index: int, shared: ScanMap | None
     ) -> None:
         scenario = config.scenario
         self.robot_id = scenario.robot_ids[index]
-        self.scout = Scout(self.robot_id, config.agent_of(self.robot_id))
-        self.start = self.pose = start
+        self.start = self.pose = ground.starts[index]
+        told = replace(config.agent_of(self.robot_id), start=(self.start.x, self.start.y, self.start.theta))
+        self.scout = Scout(self.robot_id, told)
         self.map = self._begin_map(ground, shared)
         self.places = BelievedPlaces(field, self.start, config.tag_error_m, (scenario.seed, 30, index))
         self.seen: Cells = np.zeros_like(ground.world.cells)
@@ -54,6 +50,7 @@ class ArenaRobot:
         self.steps = 0
         self.times_stuck = 0
         self.decision = self.scout.decision
+        self.says: bytes | None = None
         self._config = config
         self._world = ground.world
         self._field = field
@@ -70,8 +67,12 @@ class ArenaRobot:
         self._wakes_s = 0.0
         self._way: tuple[float, float, float] | None = None  # where and when it last made way
 
-    def step(self, clock_s: float, others_m: Array) -> None:
-        """Look, read tags, decide, and move on for one step; others' places (k, 2) where they count."""
+    def step(self, clock_s: float, others_m: Array, heard: tuple[bytes, ...] = ()) -> None:
+        """Look, read tags, decide, and move on for one step; others' places (k, 2) where they count.
+
+        ``heard``: messages of the team; ``says`` is this robot's own, to be taken by whoever carries it.
+        """
+        self.says = None
         if clock_s < self._wakes_s:
             return
         if self.steps == 0:
@@ -84,6 +85,8 @@ class ArenaRobot:
             ahead = pose @ Pose2(self._radius_m + _FELT_M, 0.0, 0.0)
             self.map.add_obstacle(ahead.x, ahead.y, _FELT_M)
         read = self._read(clock_s)
+        if heard and self._news_s is None:
+            self._news_s = clock_s
         if self._must_plan(clock_s, pose):
             self.scout.replan()
             self._planned_s, self._news_s = clock_s, None
@@ -103,10 +106,16 @@ class ArenaRobot:
                 read=read,
                 tag_place=self.places.of,
                 tag_places=self.places.all,
+                heard=heard,
             )
         )
+        self.says = intent.say
         self._handle_tags(intent)
         self.decision = intent.decision
+        thinking_s = self._config.plan_cost_s * self.scout.explorer.goals.take_planned()
+        if thinking_s > 0.0:
+            self._wakes_s = clock_s + thinking_s
+            return
         if self.decision.activity == "done":
             self._wakes_s = clock_s + _REST_S
         self._move(self.decision, others_m)
@@ -144,6 +153,8 @@ class ArenaRobot:
         """Say whether what was planned is overtaken: by news, an edge that is gone, or a way that is shut."""
         if self._news_s is not None and clock_s >= self._planned_s + _PLAN_AGAIN_S and self._news_s < clock_s:
             return True
+        if self.scout.explorer.local_map_m:  # what it drives to lies at the edge of a map that goes along
+            return clock_s >= self._planned_s + _PLAN_AGAIN_S
         decision, config = self.decision, self.scout.config
         if decision.goal_m is None or decision.activity not in ("exploring", "returning"):
             return False

@@ -15,6 +15,7 @@ from robots.sim.arena.kernels import absorb
 from robots.sim.arena.result import ArenaResult, claimed_share, leaves_a_hole
 from robots.sim.arena.robot import ArenaRobot
 from robots.sim.tags import BASE_TAG, TagField
+from robots.sim.team_radio import TeamRadio
 from robots.sim.world import Cells
 
 _NOBODY = np.zeros((0, 2))
@@ -43,11 +44,10 @@ class Arena:
             shared = ScanMap(config.agent_of(scenario.robot_ids[0]).mapping, world.origin_m, high)
         if config.sharing == "tags" and scenario.base_tag:
             self.field.drop(BASE_TAG, ground.starts[0].x, ground.starts[0].y)
-        together = scenario.start == "same" and not config.collide
         self.robots = [
-            ArenaRobot(config, ground, self.field, index, ground.starts[0 if together else index], shared)
-            for index in range(scenario.robots)
+            ArenaRobot(config, ground, self.field, index, shared) for index in range(scenario.robots)
         ]
+        self._radio = TeamRadio(scenario, world, (ground.starts[0].x, ground.starts[0].y))
         self.seen: Cells = np.zeros_like(world.cells)
         self.clock_s = 0.0
         self._count = 0
@@ -103,7 +103,11 @@ class Arena:
     def _step(self, robot: ArenaRobot, others_m: Array) -> None:
         was_done = robot.decision.activity == "done"
         row, column = self.ground.world.cell(robot.pose.x, robot.pose.y)
-        robot.step(self.clock_s, others_m)
+        index = self.robots.index(robot)
+        heard = self._radio.take(index, self._poses(), self.clock_s) if self._radio.talks else ()
+        robot.step(self.clock_s, others_m, heard)
+        if robot.says is not None:
+            self._radio.say(index, robot.says, self._poses(), self.clock_s)
         rows, columns = self.seen.shape
         self._count += absorb(
             robot.seen, self.seen, self.ground.observable,
@@ -114,6 +118,9 @@ class Arena:
             known = self.seen if self.config.sharing == "full" else robot.seen
             if leaves_a_hole(known, self.ground):
                 self._false_ends.add(robot.robot_id)
+
+    def _poses(self) -> Array:
+        return np.array([(robot.pose.x, robot.pose.y, robot.pose.theta) for robot in self.robots])
 
     def _note(self) -> None:
         self._log.stamps_s.append(self.clock_s)

@@ -55,7 +55,7 @@ def test_the_path_leads_from_the_robot_to_the_goal_and_the_reason_says_so():
 def test_explored_ground_is_what_is_known_free():
     explorer = Explorer(CONFIG)
     decide(explorer, 0.0, Pose2(1.0, 2.0, 0.0), room(4.0))
-    assert explorer.explored_m2 == pytest.approx(3.9 * 3.8, rel=0.01)
+    assert explorer.grids.explored_m2 == pytest.approx(3.9 * 3.8, rel=0.01)
 
 
 def test_a_room_without_edges_is_done_until_the_map_changes():

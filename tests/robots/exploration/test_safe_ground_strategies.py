@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from robots.config import AgentConfig, PlanningConfig
 from robots.exploration.claims import Survey
 from robots.exploration.frontiers import Frontier
 from robots.exploration.strategies.aojrf import Aojrf
@@ -13,9 +12,6 @@ from robots.exploration.three_grids import Candidate
 from robots.planning.plan_grid import FREE, OCCUPIED, UNKNOWN, PlanGrid
 from robots.planning.travel import travel_costs
 from robots.se2 import Pose2
-from robots.sim.runner import run
-from robots.sim.scenario import ScenarioConfig
-from robots.sim.sensors import LaserConfig
 
 SURVEY = Survey(np.ones((2, 2)), np.zeros((2, 2), np.uint8), (0.0, 0.0))
 
@@ -86,20 +82,3 @@ def test_candidates_come_from_the_view(strategy):
     )
     assert len(strategy.candidates(seen)) == 2
     assert strategy.candidates(view()) == ()
-
-
-@pytest.mark.parametrize("name", ["aojrf", "mcdm"])
-def test_a_mission_goes_on_without_an_error_and_sees_ground(name):
-    result = run(
-        ScenarioConfig(
-            map="office:60",
-            robots=1,
-            minutes=1.0,
-            poses="truth",
-            victims=0,
-            laser=LaserConfig(range_max_m=20.0),
-            agent_config=AgentConfig(planning=PlanningConfig(explore=name)),
-        )
-    )
-    assert result.score.coverage > 0.4
-    assert result.robots[0].distance_m > 3.0

@@ -149,3 +149,10 @@ def test_standing_still_and_having_no_map_drop_nothing():
     assert not any(dropper.should_drop(0.05, HERE, NARROW, []) for _ in range(100))
     assert not dropper.should_drop(5.0, HERE, FusedGrid(0.05), [])
     assert dropper.should_drop(5.0, HERE, NARROW, [])
+
+
+def test_evenly_it_drops_wherever_no_tag_is_near_and_only_there():
+    config = DeploymentConfig(even_m=1.0)
+    assert len(drops(OPEN, config=config)) == len(SEEDS)
+    assert drops(OPEN, tags=[(0.9, 0.0)], config=config) == set()
+    assert len(drops(OPEN, tags=[(1.1, 0.0)], config=config)) == len(SEEDS)

@@ -5,7 +5,7 @@ import signal
 import threading
 import time
 
-STILL = {"linear_mps": 0.0, "angular_radps": 0.0, "drop_tag": False, "writes": []}
+STILL = {"linear_mps": 0.0, "angular_radps": 0.0, "drop_tag": False, "writes": [], "say": None}
 
 
 def moving(reply):

@@ -28,6 +28,7 @@ export function Account({ store }) {
       <div class="account-card">
         <p>You are <b>${me.name}</b>, ${me.role}.</p>
         <p>${others.length ? html`Also watching: ${others.join(", ")}.` : "Nobody else is watching this mission."}</p>
+        ${me.role === "commander" && html`<a href="/people">People, robots' tokens, changes</a>`}
         <button type="button" onClick=${logOut}>Log out</button>
       </div>
     </details>`;
