@@ -1,4 +1,4 @@
-"""Active nodes: what they measured last, and the alerts about them."""
+"""Active nodes: what they measured last."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from dataclasses import asdict, fields
 from sqlalchemy import Connection, select
 
 from db.engine import Database, upsert
-from db.records import AlertRecord, NodeRecord
-from db.tables import alerts, node_readings
+from db.records import NodeRecord
+from db.tables import node_readings
 
 
 class NodeStore:
-    """Nodes of a mission by tag id. Alerts are on the disk once written."""
+    """Nodes of a mission by tag id."""
 
     def __init__(self, database: Database) -> None:
         self._database = database
@@ -31,21 +31,5 @@ class NodeStore:
             chosen = select(*columns).where(node_readings.c.mission_id == mission_id)
             rows = connection.execute(chosen.order_by(node_readings.c.tag_id))
             return [NodeRecord(**row._mapping) for row in rows]
-
-        return await self._database.read(query)
-
-    async def record_alert(self, mission_id: str, record: AlertRecord) -> None:
-        """Keep an alert as it is now; a new one of the same node and kind replaces an earlier one."""
-        row = {"mission_id": mission_id, **asdict(record)}
-        await self._database.write(lambda c: upsert(c, alerts, [row]), durable=True)
-
-    async def alerts_of(self, mission_id: str) -> list[AlertRecord]:
-        """Return the alerts of a mission, the earliest first."""
-        columns = [alerts.c[item.name] for item in fields(AlertRecord)]
-
-        def query(connection: Connection) -> list[AlertRecord]:
-            chosen = select(*columns).where(alerts.c.mission_id == mission_id)
-            rows = connection.execute(chosen.order_by(alerts.c.raised_unix_s, alerts.c.alert_id))
-            return [AlertRecord(**row._mapping) for row in rows]
 
         return await self._database.read(query)

@@ -13,7 +13,11 @@ VictimStatus = Literal["suspected", "confirmed", "reached", "extricated", "dismi
 TagState = Literal["sound", "moved", "cloned", "doubtful"]
 AnnotationKind = Literal["note", "hazard", "searched", "victim"]
 Severity = Literal["info", "warning", "alarm"]
-AlertKind = Literal["hot", "tilted", "pressure"]
+AlertKind = Literal[
+    "hot", "tilted", "pressure",  # of nodes
+    "lost", "stuck", "slipping", "battery", "magazine", "agent",  # of robots
+    "tag", "victim", "mayday",
+]  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,15 +126,19 @@ class NodeRecord:
 
 @dataclass(frozen=True, slots=True)
 class AlertRecord:
-    """An alert about a node: raised, perhaps over since, perhaps acknowledged by somebody."""
+    """Something people have to know: raised, perhaps over since, perhaps acknowledged by somebody.
+
+    ``robot_id``, ``tag_id`` and ``victim_id``: what it is about, as far as it is about such a thing.
+    """
 
     alert_id: str
-    tag_id: str
     kind: AlertKind
     text: str
-    robot_id: str
     severity: Severity
     raised_unix_s: float
+    robot_id: str | None = None
+    tag_id: str | None = None
+    victim_id: str | None = None
     over_unix_s: float | None = None
     acknowledged_by: str = ""
     acknowledged_unix_s: float | None = None
@@ -139,6 +147,15 @@ class AlertRecord:
     def settled(self) -> bool:
         """Whether it is over and somebody has taken note of it."""
         return self.over_unix_s is not None and self.acknowledged_unix_s is not None
+
+
+@dataclass(frozen=True, slots=True)
+class EvacuationRecord:
+    """An order to leave: by whom, since when, and who has heard it when."""
+
+    by: str
+    since_unix_s: float
+    acknowledged: tuple[tuple[str, float], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

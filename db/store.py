@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from db.alerts import AlertStore
 from db.engine import Database
 from db.findings import FindingStore
 from db.graphs import GraphStore
@@ -25,6 +26,7 @@ class Store:
         self.graphs = GraphStore(database)
         self.tags = TagStore(database)
         self.nodes = NodeStore(database)
+        self.alerts = AlertStore(database)
         self.orders = OrderStore(database)
         self.findings = FindingStore(database)
         self.people = PeopleStore(database)

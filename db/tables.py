@@ -126,16 +126,27 @@ alerts = Table(
     "alerts",
     metadata,
     Column("mission_id", ID, primary_key=True),
-    Column("alert_id", String(120), primary_key=True),  # kind:tag
-    Column("tag_id", ID, nullable=False),
-    Column("kind", String(20), nullable=False),  # hot | tilted | pressure
+    Column("alert_id", String(120), primary_key=True),  # kind:subject
+    Column("kind", String(20), nullable=False),
     Column("text", Text, nullable=False),
-    Column("robot_id", ID, nullable=False),
     Column("severity", String(10), nullable=False),
     Column("raised_unix_s", Float, nullable=False),
+    Column("robot_id", ID),
+    Column("tag_id", ID),
+    Column("victim_id", ID),
     Column("over_unix_s", Float),
     Column("acknowledged_by", String(200), nullable=False),
     Column("acknowledged_unix_s", Float),
+    _of_mission(),
+)
+
+evacuations = Table(
+    "evacuations",
+    metadata,
+    Column("mission_id", ID, primary_key=True),
+    Column("by", String(200), nullable=False),
+    Column("since_unix_s", Float, nullable=False),
+    Column("acknowledged", JSON, nullable=False),  # pairs of a name and a time
     _of_mission(),
 )
 

@@ -42,7 +42,7 @@ class Board:
                 continue
             self._texts.pop(key, None)
             if value is None:
-                del self._values[key]
+                self._values.pop(key, None)
             else:
                 self._values[key] = value
             changed.append(key)

@@ -10,7 +10,6 @@ import time
 from collections import OrderedDict
 from collections.abc import AsyncIterator
 from dataclasses import dataclass, field, replace
-from math import inf
 from typing import Literal
 
 import numpy as np
@@ -90,7 +89,6 @@ class Robot:
     anchors: Array | None = None
     located: bool = False
     anchor_covariance: Array | None = None
-    stuck_told_s: float = -inf
     waiting: int = 0  # observations that wait for the agent
     told: OrderedDict[int, Told] = field(default_factory=OrderedDict)
     arriving: asyncio.Lock = field(default_factory=asyncio.Lock)
@@ -134,6 +132,7 @@ class Robot:
             driven = update.distance_m - self.update.distance_m
             self.speed_mps = max(0.0, driven / (update.stamp_s - self.update.stamp_s))
         self.update = update
+        self.communication = update.methods.communication or self.communication
         if update.graph is not None:
             self.graph = update.graph
         self.communication = update.methods.communication

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from robots.config import AgentConfig, BodyConfig, MappingConfig, PlanningConfig
+from robots.config import AgentConfig, BodyConfig, DeploymentConfig, MappingConfig, PlanningConfig
 from robots.experiments.amigoni_paper import PAPER_M2
 from robots.experiments.amigoni_plot import draw
 from robots.experiments.experiment import Column, Experiment, ExperimentError, Options, Row
@@ -64,6 +64,7 @@ class Cell:
             body=BodyConfig(max_speed_mps=_SPEED_MPS),
             mapping=MappingConfig(max_range_m=planning.safe.safe_m if own else _LASER_M),
             planning=planning,
+            deployment=DeploymentConfig(magazine=0),
         )
         scenario = ScenarioConfig(
             map=self.map,
@@ -73,13 +74,14 @@ class Cell:
             poses="truth",
             start="spread" if self.robots > 1 else "same",
             victims=0,
+            base_tag=False,
             laser=LaserConfig(range_max_m=_LASER_M),
             agent_config=agent,
         )
         return ArenaConfig(
             scenario,
             in_order="at once",
-            sharing="full",
+            one_map=True,
             limit_s=60.0 * self.minutes,
             plan_cost_s=self.plan_cost_s,
         )

@@ -8,14 +8,15 @@ from functools import partial
 
 import numpy as np
 
-from robots.config import AgentConfig, PlanningConfig
+from robots.config import AgentConfig, DeploymentConfig, PlanningConfig
 from robots.experiments.experiment import ExperimentError, Options, Row
 from robots.experiments.parallel import in_parallel
 from robots.se2 import Array
-from robots.sim.arena.config import ArenaConfig, Order, Sharing
+from robots.sim.arena.config import ArenaConfig, Order
 from robots.sim.arena.ground import ground_of
 from robots.sim.arena.run import Arena
 from robots.sim.scenario import ScenarioConfig, ScenarioError
+from robots.sim.sensors import LaserConfig
 from robots.sim.starts import StartKind
 from robots.sim.world import WorldError
 
@@ -27,10 +28,13 @@ _RESAMPLED = 4000
 
 @dataclass(frozen=True, slots=True)
 class Case:
-    """One way to explore: the method's name, and what the arena is told."""
+    """One way to explore: the method's name, and what the arena is told.
+
+    ``laser_sd_m``: noise of the laser. With none at all, robots that know the same go the same way: the
+    hardest case for those that do not communicate.
+    """
 
     method: str
-    sharing: Sharing
     planning: PlanningConfig
     in_order: Order = "sequence"
     start: StartKind = "same"
@@ -38,6 +42,9 @@ class Case:
     tag_bits: int = 2048
     tag_error_m: float = 0.0
     robots: int = ROBOTS
+    laser_sd_m: float = 0.0
+    magazine: int = 100
+    one_map: bool = False
 
     def config(self, map_spec: str, seed: int) -> ArenaConfig:
         """Return the run in a building; budgets are for it to be measured."""
@@ -49,12 +56,16 @@ class Case:
             start=self.start,
             victims=0,
             tag_bits=self.tag_bits,
-            agent_config=AgentConfig(planning=self.planning),
+            laser=LaserConfig(sd_m=self.laser_sd_m),
+            base_tag=self.magazine > 0,
+            agent_config=AgentConfig(
+                planning=self.planning, deployment=DeploymentConfig(magazine=self.magazine)
+            ),
         )
         return ArenaConfig(
             scenario,
             self.in_order,
-            self.sharing,
+            self.one_map,
             budget_m=0.0,
             until=0.99,
             reader_m=self.reader_m,
@@ -158,9 +169,9 @@ def row_of(map_name: str, case: Case, outcomes: Sequence[Outcome]) -> Row:
         "area_m2": float(np.mean([outcome.area_m2 for outcome in outcomes])),
         "start": case.start,
         "in_order": case.in_order,
-        "reader_m": case.reader_m if case.sharing == "tags" else None,
-        "tag_bits": case.tag_bits if case.sharing == "tags" else None,
-        "tag_error_m": case.tag_error_m if case.sharing == "tags" else None,
+        "reader_m": case.reader_m if case.magazine else None,
+        "tag_bits": case.tag_bits if case.magazine else None,
+        "tag_error_m": case.tag_error_m if case.magazine else None,
         "method": case.method,
         "explore": case.planning.explore,
         "robots": case.robots,

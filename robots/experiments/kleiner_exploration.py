@@ -33,7 +33,7 @@ STARTS: tuple[StartKind, ...] = ("same", "spread")
 ORDERS: tuple[Order, ...] = ("sequence", "at once")
 READERS_M = (0.3, 4.0)
 TAG_ERROR_M = 0.3
-NEAREST = PlanningConfig(explore="nearest")
+NEAREST = PlanningConfig(explore="nearest", communication="none")
 
 
 def measure(
@@ -52,10 +52,10 @@ def measure(
     planning = PlanningConfig(explore="waymark") if tags is None else tags
     groups = [
         [
-            Case("none", "none", NEAREST, order, start),
-            Case("full", "full", NEAREST, order, start),
+            Case("none", NEAREST, order, start, magazine=0),
+            Case("full", NEAREST, order, start, magazine=0, one_map=True),
             *(
-                Case("tags", "tags", planning, order, start, reader_m, tag_error_m=error_m)
+                Case("tags", planning, order, start, reader_m, tag_error_m=error_m)
                 for reader_m in readers_m
                 for error_m in (errors_m if order == "at once" else errors_m[:1])
             ),

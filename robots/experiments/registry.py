@@ -13,6 +13,7 @@ from robots.experiments import (
     sun_radio,
     sun_table1,
     sun_table2,
+    ziparo_exploration,
     ziparo_table2,
 )
 from robots.experiments.experiment import Experiment
@@ -28,6 +29,7 @@ _ALL: tuple[Experiment, ...] = (
     sun_table1.EXPERIMENT,
     sun_table2.EXPERIMENT,
     ziparo_table2.EXPERIMENT,
+    ziparo_exploration.EXPERIMENT,
     amigoni.EXPERIMENT,
     consistency.EXPERIMENT,
 )

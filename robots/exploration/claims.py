@@ -82,12 +82,19 @@ class Survey:
     claimed: NDArray[np.uint8]
     origin: tuple[float, float]
     promised: Array = field(default_factory=lambda: np.zeros((0, 2)))
+    _told: dict[tuple[bytes, float], tuple[Array, Array]] = field(default_factory=dict, repr=False)
 
     def shares(self, points_m: Array, within_m: float) -> tuple[Array, Array]:
         """Return how much of the squares round points (n, 2) nobody has told of, and how much is claimed.
 
         Shares (n,) of squares that reach ``within_m`` to every side; both speak of ground unknown here.
         """
+        asked = points_m.tobytes(), within_m  # the same for every robot that frontiers are weighed for
+        if asked not in self._told:
+            self._told[asked] = self._shares(points_m, within_m)
+        return self._told[asked]
+
+    def _shares(self, points_m: Array, within_m: float) -> tuple[Array, Array]:
         reach = round(within_m / LATTICE_M)
         told = self.claimed == CLOSED
         open_, claimed = (

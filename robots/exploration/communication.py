@@ -26,8 +26,8 @@ from robots.se2 import Array, Pose2
 COMMUNICATIONS: tuple[str, ...] = get_args(get_type_hints(PlanningConfig)["communication"])
 SAY_EVERY_S = 1.0
 MATE_FOR_S = 10.0  # a robot not heard for longer is reckoned with no more
-_AROUND_M = 2.0  # beyond the laser's range: changed by driving since the last message
-_ALL_EVERY = 15  # messages: in between only what lies round the robot is compared
+_AROUND_M = 1.0  # beyond the laser's range: changed by driving since the last message
+_ALL_EVERY = 30  # messages: in between only what lies round the robot is compared
 _MOST_DOUBTS = 32
 
 

@@ -6,6 +6,7 @@ any order. Of robots that disagree about a cell the more are believed, and free 
 
 from __future__ import annotations
 
+from functools import lru_cache
 from math import ceil, cos, floor, sin
 
 import numpy as np
@@ -120,9 +121,9 @@ class TeamGround:
         slot = self._slots.setdefault(key, len(self._slots))
         if slot == len(self._votes):
             self._votes = np.concatenate([self._votes, np.zeros_like(self._votes)])
-        self._votes[slot] += _OF_STATE[unpacked(cells)]
+        self._votes[slot] += _votes_of(cells)
         if before:
-            self._votes[slot] -= _OF_STATE[unpacked(before)]
+            self._votes[slot] -= _votes_of(before)
 
     def _index(self, start: Key) -> tuple[NDArray[np.int32], int, int]:
         """Return which slot holds which tile, (h, w), -1 for none, and the row and column of the first."""
@@ -138,6 +139,12 @@ class TeamGround:
         index = np.full(end - corner, -1, np.int32)
         index[tuple((keys - corner).T)] = [slot for _, slot in near]
         return index, int(corner[0]), int(corner[1])
+
+
+@lru_cache(maxsize=512)  # everybody in reach draws the same tiles
+def _votes_of(cells: bytes) -> NDArray[np.int16]:
+    votes: NDArray[np.int16] = _OF_STATE[unpacked(cells)]
+    return votes
 
 
 def unpacked(cells: bytes) -> NDArray[np.uint8]:
@@ -177,7 +184,8 @@ def tiles_of(
         config.occupied_logodds,
         config.miss_logodds,
     )
-    packed = (states.reshape(len(states), -1, 4) << _SHIFTS).sum(axis=2).astype(np.uint8)
+    four = states.reshape(len(states), -1, 4)
+    packed = four[..., 0] | four[..., 1] << 2 | four[..., 2] << 4 | four[..., 3] << 6
     keys = [(row, column) for row in range(bottom, top) for column in range(left, right)]
     return {key: tile.tobytes() for key, tile in zip(keys, packed, strict=True)}
 
@@ -210,8 +218,12 @@ def _states(
                 u = floor((c * mx - s * my + x - origin_x) / resolution - 0.5 * factor + 0.5)
                 v = floor((s * mx + c * my + y - origin_y) / resolution - 0.5 * factor + 0.5)
                 state = 0
-                for b in range(max(0, v), min(cells.shape[0], v + factor)):
-                    for a in range(max(0, u), min(cells.shape[1], u + factor)):
+                for b in range(v, v + factor):
+                    if b < 0 or b >= cells.shape[0]:
+                        continue
+                    for a in range(u, u + factor):
+                        if a < 0 or a >= cells.shape[1]:
+                            continue
                         if cells[b, a] >= occupied:
                             state = 2
                         elif cells[b, a] <= -free and state == 0:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from robots.config import MappingConfig
 from robots.mapping.fused import FusedGrid
 from robots.mapping.occupancy import cast_scan, stamp_disc
-from robots.se2 import Pose2
+from robots.se2 import Array, Pose2
 from robots.types import LaserScan
 
 
@@ -42,6 +42,12 @@ class ScanMap(FusedGrid):
         other.__dict__.update(self.__dict__)
         other.shared = True
         other._frame_m = self._frame_m[0] + x_m, self._frame_m[1] + y_m
+        return other
+
+    def covering(self, low_m: Array, high_m: Array, factor: int) -> FusedGrid:
+        """Return a copy in the same frame that reaches over a box with corners (x, y) too."""
+        other = ScanMap.__new__(ScanMap)
+        other.__dict__.update(self.__dict__ | super().covering(low_m, high_m, factor).__dict__)
         return other
 
     def add_scan(self, map_from_base: Pose2, scan: LaserScan) -> None:

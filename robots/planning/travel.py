@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from robots.planning.plan_grid import FREE, PlanGrid
 
 UNREACHED = 2**31 - 1
-_LEAVE = 3  # cells round the start
+_LEAVE_M = 0.3  # round the start
 _BUCKETS = 32  # more than the dearest single move: 15 * 7 / 5 = 21
 
 
@@ -24,7 +24,7 @@ def travel_costs(grid: PlanGrid, row: int, column: int) -> NDArray[np.int32]:
     UNREACHED where it cannot. The start need not be passable: a robot that finds itself too close to
     something may leave.
     """
-    return np.asarray(_flood(grid.steps, grid.cells, row, column, _LEAVE))
+    return np.asarray(_flood(grid.steps, grid.cells, row, column, _leave(grid)))
 
 
 def find_path(grid: PlanGrid, start: tuple[int, int], goal: tuple[int, int]) -> NDArray[np.int32] | None:
@@ -32,8 +32,12 @@ def find_path(grid: PlanGrid, start: tuple[int, int], goal: tuple[int, int]) -> 
 
     None where there is no way.
     """
-    cells = _a_star(grid.steps, grid.cells, start[0], start[1], goal[0], goal[1], _LEAVE)
+    cells = _a_star(grid.steps, grid.cells, start[0], start[1], goal[0], goal[1], _leave(grid))
     return cells if len(cells) else None
+
+
+def _leave(grid: PlanGrid) -> int:
+    return max(1, int(_LEAVE_M / grid.cell_m + 1e-6))
 
 
 @njit(cache=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import hypot, inf
+from math import hypot, log10
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from robots.sim.world import Mask, World
 
 BASE = "base"  # its name in messages
 _EXPONENT = 2.0  # of the path loss in the open
+_NEAREST_M = 0.1  # nearer than that a signal grows no more
 
 
 class TeamRadio:
@@ -73,8 +74,8 @@ class TeamRadio:
         return known / max(1, len(rows))
 
     def _station_speaks(self, poses: Array, clock_s: float) -> None:
-        if clock_s < self._station_due_s:
-            return
+        if not self._station.heard or clock_s < self._station_due_s:
+            return  # a server that leads robots is their base itself
         self._station_due_s = clock_s + SAY_EVERY_S
         message = encode_message(self._station.say(clock_s, clock_s, Pose2(*self._base_m, 0.0), None))
         for index, kind in enumerate(self._kinds):
@@ -96,8 +97,8 @@ class TeamRadio:
         if away > self._config.team_radio_m:
             return False
         # the signal at the range in the open is the weakest that is heard
-        to_spare_db = 10.0 * _EXPONENT * np.log10(self._config.team_radio_m / away) if away > 0.0 else inf
-        most = int(min(to_spare_db // WALL_DB, 1000.0)) + 1
+        to_spare_db = 10.0 * _EXPONENT * log10(self._config.team_radio_m / max(away, _NEAREST_M))
+        most = max(0, int(to_spare_db // WALL_DB)) + 1
         world, r = self._world, self._world.resolution_m
         (ax, ay), (bx, by) = (((x - world.origin_m[0]) / r, (y - world.origin_m[1]) / r) for x, y in (a, b))
         return bool(count_walls(world.cells, ax, ay, bx, by, most) < most)

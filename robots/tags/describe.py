@@ -107,7 +107,8 @@ def sentences(told: dict[str, Any]) -> list[str]:
     for p in told["passes"]:
         goal = p["goal_north_m"], p["goal_west_m"]
         went = f", last on its way to a place {_way(*goal)}" if any(goal) else ""
-        said.append(f"Robot {p['key']:04x} passed here {p['count']} times{went}.")
+        times = "once" if p["count"] == 1 else f"{p['count']} times"
+        said.append(f"Robot {p['key']:04x} passed here {times}{went}.")
     driven = sum(cell != "." for cell in "".join(told["visited"]))
     if driven:
         said.append(f"Robots drove through {driven} cells of 0.4 m round it.")

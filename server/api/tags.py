@@ -6,13 +6,13 @@ from typing import Any
 
 from fastapi import APIRouter, Request, Response
 
-from robots.tags.memory import TagMemoryError
+from robots.tags.memory import CELL_M, TagMemoryError
 from server.api.common import ERRORS, READS, OneMission, RobotOrOperator
 from server.errors import ApiError, unknown
 from server.mission.mission import Mission
 from server.people.audit import AuditedRoute
 from server.schemas.common import Name
-from server.schemas.findings import TagOut, TagsOut
+from server.schemas.findings import MemoryOut, TagOut, TagsOut
 from server.schemas.nodes import NodeOut
 
 router = APIRouter(
@@ -65,6 +65,15 @@ async def get_memory(tag_id: str, mission: OneMission) -> Response:
     if memory is None:
         raise unknown("tag", tag_id)
     return Response(memory, media_type=_BYTES)
+
+
+@router.get("/{tag_id}/memory/content", summary="A tag's memory in words", operation_id="get_memory_content")
+async def get_memory_content(tag_id: str, mission: OneMission) -> MemoryOut:
+    """Return what a tag's memory says of the ground round it, of victims, notes and those who passed."""
+    told = await mission.memories.told(tag_id)
+    if told is None:
+        raise unknown("tag", tag_id)
+    return MemoryOut(tag_id=tag_id, cell_m=CELL_M, memory=told[0], sentences=told[1])
 
 
 @router.post(

@@ -77,7 +77,7 @@ CoordinateOption = Annotated[
     typer.Option(
         metavar="NAME",
         help="How robots that hear each other share out where to go: none, random, simplified, original,"
-        " burgard, exclusion, hungarian or voronoi.",
+        " burgard, exclusion, hungarian, voronoi or node-counting (which counts in tags).",
     ),
 ]
 

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Set
 from db.records import TagRecord
 from db.store import Store
 from robots.team import TeamNotice
-from server.mission.events import Events
+from server.mission.alerts import Alerts
 
 _KINDS = {"moved": "tag_moved", "cloned": "tag_cloned", "doubtful": "tag_doubtful", "way": "way_doubtful"}
 _SOUND = "tag_sound"
@@ -20,10 +20,10 @@ class Doubts:
     A doubt that comes and goes while robots read more is told once, and once that it is over.
     """
 
-    def __init__(self, store: Store, mission_id: str, events: Events) -> None:
+    def __init__(self, store: Store, mission_id: str, alerts: Alerts) -> None:
         self._store = store
         self._mission_id = mission_id
-        self._events = events
+        self._alerts = alerts
         self._told: set[tuple[str, str]] = set()  # kind of event and what it is about
         self._doubted: dict[str, str] = {}  # tag -> kind
 
@@ -49,12 +49,15 @@ class Doubts:
             if (kind, notice.about) not in self._told:
                 self._told.add((kind, notice.about))
                 robot_id = notice.about if about_way else next(iter(notice.robots), None)
-                await self._events.tell(kind, notice.text, robot_id, "warning")
+                tag_id = None if about_way else notice.about
+                await self._alerts.raise_(
+                    "tag", notice.about, notice.text, "warning", event=kind, robot_id=robot_id, tag_id=tag_id
+                )
         if absent:
             self._doubted |= now
             return
         for tag in sorted(set(self._doubted) - set(now)):
             if (_SOUND, tag) not in self._told:
                 self._told.add((_SOUND, tag))
-                await self._events.tell(_SOUND, f"Readings of tag {tag} agree again.")
+                await self._alerts.end("tag", tag, f"Readings of tag {tag} agree again.", event=_SOUND)
         self._doubted = now

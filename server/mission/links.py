@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import time
 
-from server.mission.events import Events
+from server.mission.alerts import Alerts
 from server.mission.roster import Roster
 from server.robot import Link, Robot
 from server.settings import Settings
@@ -16,9 +16,9 @@ _LOOK_EVERY_S = 0.5
 class Links:
     """Watches how long robots have been silent."""
 
-    def __init__(self, roster: Roster, events: Events, settings: Settings) -> None:
+    def __init__(self, roster: Roster, alerts: Alerts, settings: Settings) -> None:
         self._roster = roster
-        self._events = events
+        self._alerts = alerts
         self._late_after_s = settings.late_after_s
         self._lost_after_s = settings.lost_after_s
 
@@ -47,6 +47,9 @@ class Links:
         self._roster.publish([robot])
         if link == "lost":
             text = f"{robot.robot_id} is lost: nothing heard for {self._lost_after_s:.0f} s."
-            await self._events.tell("robot_lost", text, robot.robot_id, "warning")
-        elif link == "live" and before == "lost" and robot.update is not None:
-            await self._events.tell("robot_heard", f"{robot.robot_id} is heard again.", robot.robot_id)
+            await self._alerts.raise_(
+                "lost", robot.robot_id, text, "warning", event="robot_lost", robot_id=robot.robot_id
+            )
+        elif link == "live" and before == "lost":
+            text = f"{robot.robot_id} is heard again."
+            await self._alerts.end("lost", robot.robot_id, text, event="robot_heard")

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterable
+from typing import Any
 
 import structlog
 
 from db.errors import DatabaseError
 from db.store import Store
-from robots.tags.content import encode_memory, merge_bytes
+from robots.tags.content import decode_memory, encode_memory, merge_bytes
+from robots.tags.describe import describe, sentences
 from robots.tags.memory import TagMemory, TagMemoryError
 from robots.tags.record import seal
 from robots.tags.sealed import open_memory
@@ -33,6 +35,14 @@ class Memories:
         """Return the record to write into a tag; None when nothing was ever read or written."""
         version, content = await self._store.tags.memory_of(self._mission_id, tag_id)
         return seal(content, version, tag_id, self._key) if version else None
+
+    async def told(self, tag_id: str) -> tuple[dict[str, Any], list[str]] | None:
+        """Return what a tag's memory says, as JSON holds it and in sentences; None where nothing is known."""
+        version, content = await self._store.tags.memory_of(self._mission_id, tag_id)
+        if not version:
+            return None
+        described = describe(decode_memory(content))
+        return described, sentences(described)
 
     async def merge(self, tag_id: str, records: bytes, by: str) -> bytes:
         """Merge what a reader got from a tag into what is known of it; return the record of the result.

@@ -24,9 +24,11 @@ from server.agents.process import ForkServer
 from server.board import Board
 from server.differences import differences
 from server.errors import ApiError
+from server.mission.alerts import Alerts
 from server.mission.annotations import Annotations
 from server.mission.best_map import BestMap
 from server.mission.doubts import Doubts
+from server.mission.evacuation import Evacuation
 from server.mission.events import Events
 from server.mission.links import Links
 from server.mission.memories import Memories
@@ -36,6 +38,7 @@ from server.mission.presence import Presence
 from server.mission.recovery import Recovery
 from server.mission.relay import Relay
 from server.mission.replies import fresh_of, reply_to
+from server.mission.robot_alerts import RobotAlerts
 from server.mission.roster import Roster
 from server.mission.senders import Senders
 from server.mission.shared_map import SharedMap
@@ -45,8 +48,6 @@ from server.mission.victims import Victims
 from server.robot import Robot
 from server.schemas.observations import OnboardWire
 from server.settings import Settings
-
-_STUCK_AGAIN_S = 60.0  # a robot that works itself free and gets stuck again is no news for so long
 
 log = structlog.get_logger()
 
@@ -68,19 +69,22 @@ class Mission:
         self.events = Events(store, mission_id, self.board)
         self.presence = Presence(self.board)
         self.annotations = Annotations(store, mission_id, self.board)
-        self.victims = Victims(store, mission_id, self.board, self.events)
+        self.alerts = Alerts(store, mission_id, self.board, self.events)
+        self.evacuation = Evacuation(store, mission_id, self.board, self.events)
+        self.victims = Victims(store, mission_id, self.board, self.events, self.alerts)
         self.memories = Memories(store, mission_id, bytes.fromhex(record.tag_key), self.events)
-        self.nodes = Nodes(store, mission_id, self.board, self.events)
+        self.nodes = Nodes(store, mission_id, self.board, self.alerts)
         self._tasks = Tasks(mission_id)
-        self.roster = Roster(record, store, forks, self.board, self.events, self._tasks)
+        self.roster = Roster(record, store, forks, self.board, self.alerts, self._tasks)
         self.stops = Stops(store, self.roster, self.events)
         self.orders = Orders(store, mission_id, self.board, self.events)
-        doubts = Doubts(store, mission_id, self.events)
+        doubts = Doubts(store, mission_id, self.alerts)
         self.shared_map = SharedMap(store, forks, self.board, self.roster, self.victims, doubts, on_grid)
         self.best_map = BestMap(store, forks, self.board, self.roster, self.shared_map, self._tasks)
         self._relay = Relay(self.roster)
         self._senders = Senders(store, mission_id, self.events)
-        self._links = Links(self.roster, self.events, settings)
+        self._links = Links(self.roster, self.alerts, settings)
+        self._robot_alerts = RobotAlerts(self.alerts, self.events)
         self._recovery = Recovery(
             store, self.roster, self.shared_map, self.memories, self.orders, self._tasks, settings
         )
@@ -95,6 +99,8 @@ class Mission:
     async def restore(self) -> None:
         """Begin where the database says that it stood; the agents catch up in the background."""
         await self.events.restore()
+        await self.alerts.restore()
+        await self.evacuation.restore()
         await self.annotations.restore()
         await self.victims.restore()
         await self.nodes.restore()
@@ -213,13 +219,12 @@ class Mission:
             if records is None:
                 records = await robot.host.unanswered(robot.next_seq - 1)
             answers = await robot.host.handle(records)
-            before = robot.update
             updates = [self._take(robot, answer) for answer in answers]
             made = [update for update in updates if update is not None]
             self._relay.take(robot, made)
             await self._save(robot, made)
             self.roster.publish([robot])
-            await self._tell_activity(robot, before)
+            await self._robot_alerts.look(robot)
             for update in made:
                 await self.orders.report(update)
             for text in dict.fromkeys(doubt for update in made for doubt in update.doubts):
@@ -246,17 +251,6 @@ class Mission:
                 log.error("a graph could not be saved", robot_id=robot.robot_id, reason=str(error))
         writes = [write for update in updates for write in update.command.writes]
         await self.memories.keep_written(robot.robot_id, writes)
-
-    async def _tell_activity(self, robot: Robot, before: AgentUpdate | None) -> None:
-        after = robot.update
-        if after is None or before is None or after.activity == before.activity:
-            return
-        if after.activity == "stuck" and after.stamp_s - robot.stuck_told_s > _STUCK_AGAIN_S:
-            robot.stuck_told_s = after.stamp_s
-            text = f"{robot.robot_id} is stuck: {after.reason}."
-            await self.events.tell("stuck", text, robot.robot_id, "warning")
-        if after.activity == "done":
-            await self.events.tell("done", f"{robot.robot_id} is done: {after.reason}.", robot.robot_id)
 
     async def _tell_difference(self, robot: Robot, found: list[dict[str, Any]]) -> None:
         """Tell of the first of a row of batches in which the agent on board differs."""

@@ -5,58 +5,45 @@ from __future__ import annotations
 import asyncio
 import time
 from collections.abc import Iterable
-from dataclasses import replace
 
 import structlog
 
 from db.errors import DatabaseError
-from db.records import AlertRecord, NodeRecord
+from db.records import NodeRecord
 from db.store import Store
 from robots.types import NodeSensors, Observation
 from server.board import Board
-from server.errors import unknown
-from server.mission.events import Events
+from server.mission.alerts import Alerts
 from server.mission.node_alerts import RULES, Watch, with_usual_pressure
-from server.sharing import alert_value, node_value
+from server.sharing import node_value
 
-_SAVE_S = 5.0  # readings are saved so often; alerts at once
+_SAVE_S = 5.0  # readings are saved so often
 
 log = structlog.get_logger()
 
 
 class Nodes:
-    """Latest readings by tag id, and alerts by id (``kind:tag``) until they are over and acknowledged."""
+    """Latest readings by tag id."""
 
-    def __init__(self, store: Store, mission_id: str, board: Board, events: Events) -> None:
+    def __init__(self, store: Store, mission_id: str, board: Board, alerts: Alerts) -> None:
         self._store = store
         self._mission_id = mission_id
         self._board = board
-        self._events = events
+        self._alerts = alerts
         self._nodes: dict[str, NodeRecord] = {}
         self._watches: dict[str, tuple[Watch, ...]] = {}
-        self._alerts: dict[str, AlertRecord] = {}
         self._unsaved: set[str] = set()
         self._saved_s = 0.0
-        self._changing = (
-            asyncio.Lock()
-        )  # an acknowledgement must not be lost to a reading that comes meanwhile
+        self._changing = asyncio.Lock()
 
     async def restore(self) -> None:
-        """Bring readings and alerts back from the database."""
+        """Bring the readings back from the database; the alerts have to be there."""
         for node in await self._store.nodes.readings_of(self._mission_id):
             self._nodes[node.tag_id] = node
-        for alert in await self._store.nodes.alerts_of(self._mission_id):
-            if alert.over_unix_s is None:
-                for watch in self._watches_of(alert.tag_id):
-                    watch.active |= watch.rule.kind == alert.kind
-            if not alert.settled:
-                self._alerts[alert.alert_id] = alert
+        for tag_id in self._nodes:
+            for watch in self._watches_of(tag_id):
+                watch.active = self._alerts.is_on(watch.rule.kind, tag_id)
         self._board.publish({f"node/{node.tag_id}": node_value(node) for node in self._nodes.values()})
-        self._board.publish({f"alert/{a.alert_id}": alert_value(a) for a in self._alerts.values()})
-
-    def alerts(self) -> list[AlertRecord]:
-        """Return the alerts that are not settled, the earliest first."""
-        return sorted(self._alerts.values(), key=lambda alert: (alert.raised_unix_s, alert.alert_id))
 
     async def take(self, robot_id: str, observations: Iterable[Observation]) -> None:
         """Take over what nodes measured, in the order in which a robot heard it."""
@@ -73,24 +60,6 @@ class Nodes:
             self._unsaved.update(tags)
             if time.monotonic() - self._saved_s >= _SAVE_S:
                 await self.save()
-
-    async def acknowledge(self, alert_id: str, by: str) -> AlertRecord:
-        """Keep that somebody has taken note of an alert; the first one counts.
-
-        Raises:
-            ApiError: there is no such alert, or it is settled already.
-        """
-        async with self._changing:
-            if alert_id not in self._alerts:
-                raise unknown("alert", alert_id)
-            alert = self._alerts[alert_id]
-            if alert.acknowledged_unix_s is not None:
-                return alert
-            alert = replace(alert, acknowledged_by=by, acknowledged_unix_s=time.time())
-            await self._store.nodes.record_alert(self._mission_id, alert)
-            self._keep(alert)
-        await self._events.tell("alert_acknowledged", f"{by} has taken note: {alert.text}", alert.robot_id)
-        return alert
 
     async def save(self) -> None:
         """Save the readings that are not saved yet."""
@@ -123,34 +92,20 @@ class Nodes:
 
     async def _tell(self, watch: Watch, node: NodeRecord) -> None:
         """Raise or end an alert."""
-        rule = watch.rule
-        alert_id = f"{rule.kind}:{node.tag_id}"
-        text = rule.raised(node) if watch.active else rule.over(node)
+        rule, tag_id = watch.rule, node.tag_id
         if watch.active:
-            alert = AlertRecord(
-                alert_id, node.tag_id, rule.kind, text, node.robot_id, rule.severity, node.heard_unix_s
+            text = rule.raised(node)
+            await self._alerts.raise_(
+                rule.kind,
+                tag_id,
+                text,
+                rule.severity,
+                event=f"node_{rule.kind}",
+                robot_id=node.robot_id,
+                tag_id=tag_id,
             )
-        elif alert_id in self._alerts:
-            alert = replace(self._alerts[alert_id], over_unix_s=node.heard_unix_s)
         else:
-            return
-        try:
-            await self._store.nodes.record_alert(self._mission_id, alert)
-        except DatabaseError as error:  # people have to see it all the same
-            log.error("an alert could not be saved", alert_id=alert_id, reason=str(error))
-        self._keep(alert)
-        severity = rule.severity if watch.active else "info"
-        kind = f"node_{rule.kind}" if watch.active else f"node_{rule.kind}_over"
-        await self._events.tell(kind, text, node.robot_id, severity)
-
-    def _keep(self, alert: AlertRecord) -> None:
-        key = f"alert/{alert.alert_id}"
-        if alert.settled:
-            self._alerts.pop(alert.alert_id, None)
-            self._board.publish({key: None} if self._board.get(key) is not None else {})
-        else:
-            self._alerts[alert.alert_id] = alert
-            self._board.publish({key: alert_value(alert)})
+            await self._alerts.end(rule.kind, tag_id, rule.over(node), event=f"node_{rule.kind}_over")
 
     def _watches_of(self, tag_id: str) -> tuple[Watch, ...]:
         if tag_id not in self._watches:

@@ -14,7 +14,7 @@ from server.agents.host import AgentHost
 from server.agents.process import ForkServer
 from server.board import Board
 from server.errors import ApiError, unknown
-from server.mission.events import Events
+from server.mission.alerts import Alerts
 from server.mission.tasks import Tasks
 from server.robot import Robot, RobotLog, frontiers_value, robot_value
 
@@ -30,7 +30,7 @@ class Roster:
         store: Store,
         forks: ForkServer,
         board: Board,
-        events: Events,
+        alerts: Alerts,
         tasks: Tasks,
     ) -> None:
         self.record = record
@@ -38,7 +38,7 @@ class Roster:
         self._store = store
         self._forks = forks
         self._board = board
-        self._events = events
+        self._alerts = alerts
         self._tasks = tasks
         self._registering = asyncio.Lock()
         self.publish()
@@ -88,14 +88,20 @@ class Roster:
         def restarted(reason: str) -> None:
             log.warning("agent restarted", robot_id=robot_id, reason=reason)
             text = f"The agent of {robot_id} was restarted; nothing is lost."
-            self._tasks.spawn(self._events.tell("agent_restarted", text, robot_id, "warning"))
+            raised = self._alerts.raise_(
+                "agent", robot_id, text, "warning", event="agent_restarted", robot_id=robot_id
+            )
+            self._tasks.spawn(raised)
 
         def in_trouble(reason: str) -> None:
             text = (
                 f"The agent of {robot_id} does not start: {reason}. What {robot_id} sends is kept,"
                 " and it is tried again and again."
             )
-            self._tasks.spawn(self._events.tell("agent_down", text, robot_id, "alarm"))
+            raised = self._alerts.raise_(
+                "agent", robot_id, text, "alarm", event="agent_down", robot_id=robot_id
+            )
+            self._tasks.spawn(raised)
 
         host = AgentHost(
             self._forks,

@@ -12,6 +12,7 @@ from db.store import Store
 from robots.team import TeamVictim
 from server.board import Board
 from server.errors import unknown
+from server.mission.alerts import Alerts
 from server.mission.events import Events
 from server.sharing import victim_record, victim_value
 
@@ -24,11 +25,12 @@ def judgement(victim: VictimRecord) -> dict[str, Any]:
 class Victims:
     """The victims by id."""
 
-    def __init__(self, store: Store, mission_id: str, board: Board, events: Events) -> None:
+    def __init__(self, store: Store, mission_id: str, board: Board, events: Events, alerts: Alerts) -> None:
         self._store = store
         self._mission_id = mission_id
         self._board = board
         self._events = events
+        self._alerts = alerts
         self._victims: dict[str, VictimRecord] = {}
         self._changing = asyncio.Lock()  # what a person says must not be lost to a map that comes meanwhile
 
@@ -61,6 +63,7 @@ class Victims:
             victim = replace(known, status=status, note=known.note if note is None else note, by=by)
             await self._store.findings.record_status(self._mission_id, victim)
             self._keep([victim])
+        await self._alerts.settle("victim", victim_id, by)
         await self._events.tell("victim_judged", f"Victim {victim_id} is {status}, says {by}.")
         return victim
 
@@ -104,7 +107,12 @@ class Victims:
         for victim in new:
             robots = ", ".join(victim.robots)
             text = f"Victim {victim.victim_id} seen by {robots}, {victim.confidence:.0%} sure."
-            await self._events.tell("victim_seen", text, victim.robots[0], "alarm")
+            await self._alerts.raise_(
+                "victim", victim.victim_id, text, "alarm", event="victim_seen",
+                robot_id=victim.robots[0], victim_id=victim.victim_id,
+            )  # fmt: skip
+        for name in gone:
+            await self._alerts.settle("victim", name, "the team map")
 
     def _keep(self, victims: Iterable[VictimRecord]) -> None:
         for victim in victims:

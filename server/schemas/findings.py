@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Self
+from typing import Any, Self
 
 from pydantic import ConfigDict, Field, model_validator
 
@@ -26,6 +26,18 @@ class TagOut(Wire):
     )
     notice: str = Field(description="What is wrong with a tag that is not sound, else empty.")
     sensors: NodeOut | None = Field(None, description="What it measured last, if it is an active node.")
+
+
+class MemoryOut(Wire):
+    """What a tag's memory says."""
+
+    tag_id: str
+    cell_m: float = Field(description="Side of a cell of the window.")
+    memory: dict[str, Any] = Field(
+        description="As `waymark tag decode` tells it: `window` and `visited` have one text a row, north"
+        " first and west to the left, the tag in the middle; `.` is not seen, `o` open, `#` closed."
+    )
+    sentences: list[str] = Field(description="What it holds beside the ground, for people.")
 
 
 class TagsOut(Wire):

@@ -183,19 +183,19 @@ def test_tags_and_every_version_of_their_memory(story) -> None:
 def test_the_latest_reading_of_a_node_and_its_alerts(story) -> None:
     early = NodeRecord("N1", 20.0, None, 0.0, None, 1.0, "r1")
     late = replace(early, temperature_c=80.0, pressure_hpa=1013.0, heard_unix_s=2.0)
-    alert = AlertRecord("hot:N1", "N1", "hot", "It is hot at node N1: 80 °C.", "r1", "alarm", 2.0)
+    alert = AlertRecord("hot:N1", "hot", "It is hot at node N1: 80 °C.", "alarm", 2.0, "r1", "N1")
     noted = replace(alert, acknowledged_by="Ada", acknowledged_unix_s=3.0)
 
     async def first(store: Store) -> None:
         await store.nodes.record_readings(M, [early, replace(early, tag_id="N2")])
         await store.nodes.record_readings(M, [late])
-        await store.nodes.record_alert(M, alert)
-        assert await store.nodes.alerts_of(M) == [alert]
-        await store.nodes.record_alert(M, noted)
+        await store.alerts.record_alert(M, alert)
+        assert await store.alerts.alerts_of(M) == [alert]
+        await store.alerts.record_alert(M, noted)
 
     async def second(store: Store) -> None:
         assert await store.nodes.readings_of(M) == [late, replace(early, tag_id="N2")]
-        assert await store.nodes.alerts_of(M) == [noted]
+        assert await store.alerts.alerts_of(M) == [noted]
 
     story(first, second)
 

@@ -172,7 +172,7 @@ class Control:
     """A server in a thread of its own, with the settings given; ``start`` and ``stop`` as often as needed."""
 
     def __init__(self, folder: Path, **settings: Any) -> None:
-        self.settings = Settings(data_dir=folder, **{"login": "off", **settings})
+        self.settings = Settings(data_dir=folder, **{"login": "off", "reply_s": 60.0, **settings})
         self.port = 0
         self.missions: Missions
         self._server: uvicorn.Server

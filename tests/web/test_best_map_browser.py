@@ -47,7 +47,7 @@ def wires() -> list[list[dict[str, Any]]]:
 
 @pytest.fixture
 def app(tmp_path: Path) -> FastAPI:
-    return create_app(Settings(data_dir=tmp_path, login="off"))
+    return create_app(Settings(data_dir=tmp_path, login="off", reply_s=60.0))
 
 
 @pytest.fixture

@@ -21,6 +21,7 @@ pytestmark = pytest.mark.browser
 MISSION = "drill"
 SOON_MS = 15_000
 FIRST_MS = 60_000  # the first observations may have to wait for the agent's kernels to compile
+HELD_MS = 900  # what has to be held for 600 ms
 
 
 class SmallRobot:
@@ -109,7 +110,7 @@ class SmallRobot:
 
 @pytest.fixture
 def host(serve: Callable[[FastAPI], str], tmp_path: Path) -> str:
-    return serve(create_app(Settings(data_dir=tmp_path, login="off")))
+    return serve(create_app(Settings(data_dir=tmp_path, login="off", reply_s=60.0)))
 
 
 @pytest.fixture
@@ -194,7 +195,9 @@ def test_a_mission_is_watched_and_stopped(
         # selecting shows the plan; STOP is confirmed, RESUME asks twice
         card.locator(".card-body").click()
         expect(card.locator(".card-body")).to_have_attribute("aria-pressed", "true")
-        page.get_by_role("button", name="Stop r1").click()
+        page.get_by_role("button", name="Stop r1").click()  # a touch by mistake
+        expect(card.get_by_text("Hold", exact=True)).to_be_visible()
+        page.get_by_role("button", name="Stop r1").click(delay=HELD_MS)
         expect(card).to_have_attribute("data-stop", "stopped", timeout=SOON_MS)
         assert (robot.linear, robot.angular) == (0.0, 0.0)
         card.get_by_role("button", name="Resume r1").click()
@@ -205,7 +208,8 @@ def test_a_mission_is_watched_and_stopped(
         # a STOP that does not get through is said to be unconfirmed, and is sent until it does
         assert opened.errors == []
         page.route("**/stop", lambda route: route.abort())
-        page.get_by_role("button", name="Stop r1").click()
+        page.get_by_role("button", name="Stop r1").focus()
+        page.keyboard.press("Enter", delay=HELD_MS)
         expect(card).to_have_attribute("data-stop", "unconfirmed", timeout=SOON_MS)
         expect(page.locator(".notice-alarm")).to_contain_text("STOP for r1 is NOT confirmed")
         page.unroute("**/stop")
@@ -216,8 +220,15 @@ def test_a_mission_is_watched_and_stopped(
         card.get_by_role("button", name="Confirm: resume r1").click()
         expect(card).to_have_attribute("data-stop", "free", timeout=SOON_MS)
 
-        page.get_by_role("button", name="STOP ALL").click()
+        page.get_by_role("button", name="STOP ALL").click(delay=HELD_MS)
         expect(page.get_by_text("All stopped", exact=True)).to_be_visible(timeout=SOON_MS)
+        # EVACUATE stands across the page until it is over, and says who has heard it
+        page.get_by_role("button", name="EVACUATE").click(delay=HELD_MS)
+        expect(page.locator(".evacuation")).to_contain_text("Everybody out, says operator")
+        page.get_by_role("button", name="I have heard it").click()
+        expect(page.locator(".evacuation")).to_contain_text("Heard by operator")
+        page.get_by_role("button", name="EVACUATE is over").click(delay=HELD_MS)
+        expect(page.locator(".evacuation")).to_have_count(0)
         assert robot.failure is None
         assert opened.errors == []
 

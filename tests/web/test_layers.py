@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as npst
 
 from web.viser.colors import FLOOR
+from web.viser.frontiers_layer import segments
 from web.viser.map_layer import WALL_HEIGHT_M, floor_image, wall_boxes
 from web.viser.scene import MissionScene
 from web.viser.shapes import Mesh, ellipse, prism, unit_box, unit_disc
@@ -173,3 +174,17 @@ def test_nodes_have_masts_and_the_most_urgent_alert_of_each_a_pin(scene: Mission
     scene.put("alert/tilted:A", None)
     scene.draw(scene.take(30.0))
     assert node(scene, "/nodes/alerts/1") is None
+
+
+def test_edges_of_the_unknown_are_rings_with_a_mast_where_the_robot_goes(scene: MissionScene) -> None:
+    ring, chosen = segments(3.0, 4.0, False), segments(3.0, 4.0, True)
+    assert ring.shape == (12, 2, 3)
+    np.testing.assert_allclose(np.hypot(*(ring[:, 0, :2] - [3.0, 4.0]).T), 0.18, atol=1e-6)
+    np.testing.assert_allclose(chosen[-1, :, :2], [[3.0, 4.0]] * 2)
+    edges = [{"x_m": 1.0, "y_m": 2.0, "length_m": 1.2, "worth_m": -3.0, "chosen": True}]
+    scene.put("frontiers/r1", {"robot_id": "r1", "frontiers": edges})
+    scene.draw(scene.take(10.0))
+    assert node(scene, "/frontiers/1") is not None
+    scene.put("frontiers/r1", {"robot_id": "r1", "frontiers": []})
+    scene.draw(scene.take(20.0))
+    assert node(scene, "/frontiers/1") is None

@@ -52,7 +52,7 @@ class Hearing:
 
 @pytest.fixture
 def host(serve: Callable[[FastAPI], str], tmp_path: Path) -> str:
-    return serve(create_app(Settings(data_dir=tmp_path, login="off")))
+    return serve(create_app(Settings(data_dir=tmp_path, login="off", reply_s=60.0)))
 
 
 @pytest.fixture

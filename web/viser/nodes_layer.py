@@ -18,6 +18,9 @@ _PIN_M = 1.8
 Value = dict[str, Any]
 
 
+_WORDS = {"hot": "hot", "tilted": "knocked over", "pressure": "pressure", "tag": "moved?", "mayday": "MAYDAY"}
+
+
 class NodesLayer:
     """Draws all nodes whose place is known, at once: they change seldom."""
 
@@ -78,8 +81,8 @@ class NodesLayer:
 
 def _words(alert: Value, node: Value | None) -> str:
     """Return the reading that an alert is about, in short."""
-    if alert["kind"] == "tilted" or node is None:
-        return {"hot": "hot", "tilted": "knocked over", "pressure": "pressure"}[alert["kind"]]
-    if alert["kind"] == "hot":
+    if node is not None and alert["kind"] == "hot":
         return f"{node['temperature_c']:.0f} °C"
-    return f"{node['pressure_hpa']:.0f} hPa"
+    if node is not None and alert["kind"] == "pressure":
+        return f"{node['pressure_hpa']:.0f} hPa"
+    return _WORDS.get(alert["kind"], "alert")

@@ -15,6 +15,7 @@ import viser
 
 from web.viser.cameras import Cameras
 from web.viser.colors import GROUND
+from web.viser.frontiers_layer import FrontiersLayer
 from web.viser.map_layer import Cells, Grid, MapLayer
 from web.viser.nodes_layer import NodesLayer
 from web.viser.robots_layer import RobotsLayer
@@ -58,6 +59,7 @@ class MissionScene:
         self._map = MapLayer(self._server)
         self._robots = RobotsLayer(self._server)
         self._trails = TrailsLayer(self._server)
+        self._frontiers = FrontiersLayer(self._server)
         self._tags = TagsLayer(self._server)
         self._nodes = NodesLayer(self._server)
         self._drawn_tags: dict[str, Value] = {}
@@ -138,6 +140,8 @@ class MissionScene:
                 self._victims.put(name, value)
             elif kind == "trail":
                 self._trails.put(name, value)
+            elif kind == "frontiers":
+                self._frontiers.put(name, value)
         if batch.tags is not None:
             self._drawn_tags = batch.tags
             self._tags.show(batch.tags, batch.pairs)

@@ -4,6 +4,7 @@ from robots.config import ConfigError
 from robots.exploration.coordination.burgard import Burgard
 from robots.exploration.coordination.exclusion import Exclusion
 from robots.exploration.coordination.hungarian import Hungarian
+from robots.exploration.coordination.node_counting import NodeCounting
 from robots.exploration.coordination.original import Original
 from robots.exploration.coordination.random import Random
 from robots.exploration.coordination.simplified import Simplified
@@ -19,6 +20,7 @@ COORDINATIONS: dict[str, type[Coordination]] = {
     "exclusion": Exclusion,
     "hungarian": Hungarian,
     "voronoi": Voronoi,
+    "node-counting": NodeCounting,
 }
 
 

@@ -20,7 +20,7 @@ class Ground:
 
     world: World
     observable: Mask
-    starts: tuple[Pose2, ...]
+    starts: tuple[Pose2, ...]  # apart from each other
 
     @property
     def observable_m2(self) -> float:

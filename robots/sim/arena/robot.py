@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import hypot
+from math import floor, hypot
 
 import numpy as np
 
@@ -36,13 +36,19 @@ class ArenaRobot:
     """One robot; ``pose`` is its true pose in the world, ``seen`` uint8 (h, w) what its laser truly saw."""
 
     def __init__(
-        self, config: ArenaConfig, ground: Ground, field: TagField, index: int, shared: ScanMap | None
+        self,
+        config: ArenaConfig,
+        ground: Ground,
+        field: TagField,
+        index: int,
+        start: Pose2,
+        shared: ScanMap | None,
     ) -> None:
         scenario = config.scenario
         self.robot_id = scenario.robot_ids[index]
-        self.start = self.pose = ground.starts[index]
-        told = replace(config.agent_of(self.robot_id), start=(self.start.x, self.start.y, self.start.theta))
+        told = replace(config.agent_of(self.robot_id), start=(start.x, start.y, start.theta))
         self.scout = Scout(self.robot_id, told)
+        self.start = self.pose = start
         self.map = self._begin_map(ground, shared)
         self.places = BelievedPlaces(field, self.start, config.tag_error_m, (scenario.seed, 30, index))
         self.seen: Cells = np.zeros_like(ground.world.cells)
@@ -50,8 +56,8 @@ class ArenaRobot:
         self.steps = 0
         self.times_stuck = 0
         self.decision = self.scout.decision
-        self.says: bytes | None = None
         self._config = config
+        self._reads = self.scout.config.planning.communication != "none"
         self._world = ground.world
         self._field = field
         self._radius_m = self.scout.config.body.radius_m
@@ -62,30 +68,32 @@ class ArenaRobot:
         self._began_s = 0.0
         self._bumped = False
         self._heard: dict[str, bytes] = {}
+        self._unheard: tuple[bytes, ...] = ()  # messages of the team
         self._news_s: float | None = None  # since when something read waits for a plan
         self._planned_s = 0.0
         self._wakes_s = 0.0
         self._way: tuple[float, float, float] | None = None  # where and when it last made way
 
-    def step(self, clock_s: float, others_m: Array, heard: tuple[bytes, ...] = ()) -> None:
-        """Look, read tags, decide, and move on for one step; others' places (k, 2) where they count.
+    def step(self, clock_s: float, others_m: Array, heard: tuple[bytes, ...] = ()) -> bytes | None:
+        """Look, read tags, decide, and move on for one step; return what to tell the team.
 
-        ``heard``: messages of the team; ``says`` is this robot's own, to be taken by whoever carries it.
+        ``others_m`` (k, 2): the others' places where they count; ``heard``: what the team told.
         """
-        self.says = None
+        self._unheard += heard
         if clock_s < self._wakes_s:
-            return
+            return None
         if self.steps == 0:
             self._began_s = clock_s
         self.steps += 1
         pose = Pose2(self.pose.x - self.start.x, self.pose.y - self.start.y, self.pose.theta)
         scan = self._laser.scan(self.pose, others_m, self._radius_m, self.seen)
-        self.map.add_scan(pose, scan)
+        if not self.scout.explorer.local_map_m:
+            self.map.add_scan(pose, scan)
         if self._bumped and free_ahead(scan, self._radius_m) >= 0.25:
             ahead = pose @ Pose2(self._radius_m + _FELT_M, 0.0, 0.0)
             self.map.add_obstacle(ahead.x, ahead.y, _FELT_M)
         read = self._read(clock_s)
-        if heard and self._news_s is None:
+        if self._unheard and self._news_s is None:
             self._news_s = clock_s
         if self._must_plan(clock_s, pose):
             self.scout.replan()
@@ -104,22 +112,23 @@ class ArenaRobot:
                 ),
                 tags_left=self._magazine.left,
                 read=read,
+                heard=self._unheard,
                 tag_place=self.places.of,
                 tag_places=self.places.all,
-                heard=heard,
             )
         )
-        self.says = intent.say
+        self._unheard = ()
         self._handle_tags(intent)
         self.decision = intent.decision
         thinking_s = self._config.plan_cost_s * self.scout.explorer.goals.take_planned()
         if thinking_s > 0.0:
             self._wakes_s = clock_s + thinking_s
-            return
+            return intent.say
         if self.decision.activity == "done":
             self._wakes_s = clock_s + _REST_S
         self._move(self.decision, others_m)
         self._watch(clock_s)
+        return intent.say
 
     def _begin_map(self, ground: Ground, shared: ScanMap | None) -> ScanMap:
         """Return a map in this robot's frame, of its own or with the cells of one that all share."""
@@ -138,9 +147,11 @@ class ArenaRobot:
         return max(0.0, 1.0 - (clock_s - self._began_s) / IDLE_LIFE_S - self.driven_m / DRIVE_LIFE_M)
 
     def _read(self, clock_s: float) -> tuple[TagSighting, ...]:
-        if self._config.sharing != "tags":
+        if not self._reads:
             return ()
         read = self._reader.sightings(self._before, self.pose, clock_s)
+        if self._config.own_tags_only:
+            read = tuple(sighting for sighting in read if sighting.tag_id.startswith(f"{self.robot_id}-"))
         for sighting in read:
             self.places.learn(sighting.tag_id)
             known = self._heard.get(sighting.tag_id)
@@ -161,6 +172,9 @@ class ArenaRobot:
         cells, origin, cell_m = self.map.cells, self.map.origin, self.map.resolution_m
         occupied, free = config.mapping.occupied_logodds, config.mapping.miss_logodds
         x, y = decision.goal_m
+        row, column = floor((y - origin[1]) / cell_m), floor((x - origin[0]) / cell_m)
+        if cells[row, column] > -free:  # a goal on ground that others told of: their word is not checked here
+            return False
         if not edge_is_left(cells, origin, cell_m, x, y, _EDGE_WITHIN_M, occupied, free):
             return True
         return not way_is_clear(

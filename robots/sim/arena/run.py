@@ -37,17 +37,20 @@ class Arena:
         scenario, world = config.scenario, ground.world
         self.field = TagField(scenario.memory_bits, scenario.chip)
         shared = None
-        if config.sharing == "full":
+        if config.one_map:
             rows, columns = world.cells.shape
             x, y = world.origin_m
             high = x + columns * world.resolution_m, y + rows * world.resolution_m
             shared = ScanMap(config.agent_of(scenario.robot_ids[0]).mapping, world.origin_m, high)
-        if config.sharing == "tags" and scenario.base_tag:
+        if scenario.base_tag:
             self.field.drop(BASE_TAG, ground.starts[0].x, ground.starts[0].y)
+        together = scenario.start == "same" and not config.collide
         self.robots = [
-            ArenaRobot(config, ground, self.field, index, shared) for index in range(scenario.robots)
+            ArenaRobot(config, ground, self.field, index, ground.starts[0 if together else index], shared)
+            for index in range(scenario.robots)
         ]
-        self._radio = TeamRadio(scenario, world, (ground.starts[0].x, ground.starts[0].y))
+        base_m = ground.starts[0].x, ground.starts[0].y
+        self._radio = TeamRadio(scenario, world, base_m)
         self.seen: Cells = np.zeros_like(world.cells)
         self.clock_s = 0.0
         self._count = 0
@@ -95,6 +98,9 @@ class Arena:
     def _note_claims(self) -> None:
         self._claimed = [claimed_share(robot, self.seen, self.ground) for robot in self.robots]
 
+    def _poses(self) -> Array:
+        return np.array([(robot.pose.x, robot.pose.y, robot.pose.theta) for robot in self.robots])
+
     def _others(self, robot: ArenaRobot) -> Array:
         if not self.config.collide:
             return _NOBODY
@@ -105,9 +111,9 @@ class Arena:
         row, column = self.ground.world.cell(robot.pose.x, robot.pose.y)
         index = self.robots.index(robot)
         heard = self._radio.take(index, self._poses(), self.clock_s) if self._radio.talks else ()
-        robot.step(self.clock_s, others_m, heard)
-        if robot.says is not None:
-            self._radio.say(index, robot.says, self._poses(), self.clock_s)
+        said = robot.step(self.clock_s, others_m, heard)
+        if said is not None:
+            self._radio.say(index, said, self._poses(), self.clock_s)
         rows, columns = self.seen.shape
         self._count += absorb(
             robot.seen, self.seen, self.ground.observable,
@@ -115,12 +121,9 @@ class Arena:
             min(rows, row + self._reach + 1), min(columns, column + self._reach + 1),
         )  # fmt: skip
         if robot.decision.activity == "done" and not was_done:
-            known = self.seen if self.config.sharing == "full" else robot.seen
+            known = robot.seen if robot.scout.config.planning.communication in ("none", "tags") else self.seen
             if leaves_a_hole(known, self.ground):
                 self._false_ends.add(robot.robot_id)
-
-    def _poses(self) -> Array:
-        return np.array([(robot.pose.x, robot.pose.y, robot.pose.theta) for robot in self.robots])
 
     def _note(self) -> None:
         self._log.stamps_s.append(self.clock_s)

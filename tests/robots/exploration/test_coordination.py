@@ -9,11 +9,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from robots.config import ConfigError
-from robots.exploration.claims import Survey
+from robots.exploration.claims import KnownTag, Survey
 from robots.exploration.coordination import COORDINATIONS, coordination_of
 from robots.exploration.coordination.burgard import UTILITY_M
 from robots.exploration.coordination.exclusion import KEEP_OFF_M, Exclusion
 from robots.exploration.coordination.hungarian import assigned
+from robots.exploration.coordination.node_counting import NodeCounting
 from robots.exploration.coordination.original import Original
 from robots.exploration.coordination.team import NEVER, Mate, Selfish, Team, greedy_pairs
 from robots.exploration.frontiers import Frontier
@@ -22,6 +23,8 @@ from robots.exploration.strategy import ExplorationView, ways_of
 from robots.planning.plan_grid import FREE, OCCUPIED, PlanGrid
 from robots.planning.travel import UNREACHED, travel_costs
 from robots.se2 import Pose2
+from robots.tags.marks import Pass
+from robots.tags.memory import TagMemory
 
 WALL_COLUMN, GAP_ROW = 40, 6  # a hall of 10 m by 8 m, halved by a wall with a gap of 0.4 m near its lower end
 
@@ -197,6 +200,22 @@ def test_everybody_has_the_frontiers_it_is_nearest_to():
     goals = [(1.0, 7.0), (3.0, 1.0), (9.0, 7.0)]
     team = [Mate("r1", Pose2(2.0, 4.0, 0.0), None), Mate("r2", Pose2(5.0, 0.7, 0.0), None)]
     assert [COORDINATIONS["voronoi"]().choose(seen) for seen in teams_of(team, goals)] == [0, 1]
+
+
+def test_where_fewer_have_been_comes_first_and_where_nobody_was_before_that():
+    goals = [(2.05, 4.05), (6.05, 4.05), (9.05, 1.05)]
+    seen = view_from(Pose2(1.05, 4.05, 0.0), goals)
+
+    def tag(x, *counts):
+        passes = tuple(Pass(count, 0, 0, 0, key) for key, count in enumerate(counts))
+        return KnownTag(f"t{x}", (x, 4.0), replace(TagMemory.empty(), passes=passes), 0.0)
+
+    def chosen(*tags):
+        return NodeCounting().choose(Team("r1", replace(seen, tags=tags), Nearest(), None))
+
+    assert chosen() == chosen(tag(2.0), tag(6.0)) == 0
+    assert chosen(tag(2.0, 3, 2), tag(6.0, 4)) == 2
+    assert chosen(tag(2.0, 3, 2), tag(6.0, 4), replace(tag(9.0, 9), place_m=(9.0, 1.0))) == 1
 
 
 def test_chance_spreads_and_stays_with_what_it_drew():

@@ -40,6 +40,11 @@ def test_seen_from_elsewhere_it_is_the_same_map():
         other.add_scan(Pose2(pose.x - 1.0, pose.y + 0.5, pose.theta), SCAN)
     assert np.array_equal(shared.cells, direct.cells)
     assert other.origin == pytest.approx((-9.0, -7.5))
+    wider = other.covering(np.array([-12.0, 0.0]), np.array([0.0, 9.1]), 2)
+    assert wider.origin == pytest.approx((-12.0, -7.5), abs=0.2)
+    row, column = (round((a - b) / 0.1) for a, b in zip(other.origin[::-1], wider.origin[::-1], strict=True))
+    rows, columns = other.cells.shape
+    assert np.array_equal(wider.cells[row : row + rows, column : column + columns], other.cells)
     assert other.changes.revision == shared.changes.revision == len(POSES)
 
 

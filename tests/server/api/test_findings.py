@@ -34,7 +34,11 @@ def known_of(line, tag_id, key=b""):
 def test_memories_merge(line):
     first, second = ((0, 0, 2), (3, 4, 1)), ((3, 4, 2), (9, 9, 1))
     assert line.refused("GET", "/tags/A4/memory") == (404, "unknown_tag", None)
+    assert line.refused("GET", "/tags/A4/memory/content") == (404, "unknown_tag", None)
     merged = line.call("POST", "/tags/A4/memory", content=record(*first), headers=BYTES)
+    told = line.get("/tags/A4/memory/content")
+    assert (told["tag_id"], told["cell_m"]) == ("A4", 1.0)
+    assert "".join(told["memory"]["window"]).count("#") == 1
     assert open_memory(merged.content, "A4", b"").memory == memory(*first)
     assert merged.headers["content-type"] == "application/octet-stream"
     merged = line.call("POST", "/tags/A4/memory", content=record(*second), headers=BYTES)

@@ -118,7 +118,7 @@ def test_a_mixed_team_among_nodes_finds_the_fire(control):
     assert [robot["state"]["slam"] for robot in robots] == kinds
     nodes = mission.board.of_kind("node")
     assert len(nodes) >= 10
-    assert "hot" in {alert.kind for alert in mission.nodes.alerts()}
+    assert "hot" in {alert.kind for alert in mission.alerts.all()}
     tags = control.call("GET", "/missions/mixed/tags").json()["tags"]
     sensed = [tag["sensors"]["temperature_c"] for tag in tags if tag["sensors"] is not None]
     assert sensed, "no tag on the map tells what it measures"

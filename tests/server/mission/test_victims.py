@@ -8,6 +8,7 @@ from db.records import MissionRecord
 from db.store import Store
 from robots.team import TeamVictim
 from server.board import Board
+from server.mission.alerts import Alerts
 from server.mission.events import Events
 from server.mission.victims import Victims
 
@@ -22,7 +23,9 @@ def play(tmp_path, scenario):
         try:
             await store.missions.create_mission(MissionRecord("m", "M", "running", 0.0))
             board = Board()
-            await scenario(Victims(store, "m", board, Events(store, "m", board)), board, store)
+            events = Events(store, "m", board)
+            alerts = Alerts(store, "m", board, events)
+            await scenario(Victims(store, "m", board, events, alerts), board, store)
         finally:
             await store.close()
 

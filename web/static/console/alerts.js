@@ -1,13 +1,15 @@
-/** Alerts about nodes, and the card of the selected tag with what it measures. */
+/** Alerts, and the card of the selected tag with what it measures. */
 
 import { age, fixed, timeOfDay } from "./format.js";
-import { acknowledge, alarming, ALERT_KINDS, alertsOf, isOpen, readings } from "./node_sensors.js";
+import { acknowledge, alarming, ALERT_KINDS, alertsOf, isOpen, readings, subjectOf } from "./node_sensors.js";
+import { TagMemory } from "./tag_memory.js";
 import { html } from "./vendor.js";
 
 /** @import {Alert} from "./types.js" */
 /** @import {Store} from "./store.js" */
+/** @typedef {{kind: "robot" | "victim" | "tag", id: string}} Subject */
 
-/** Nothing at all while there is none. @param {{store: Store, onSelect: (id: string) => void}} props */
+/** Nothing at all while there is none. @param {{store: Store, onSelect: (subject: Subject) => void}} props */
 export function AlertList({ store, onSelect }) {
   const alerts = alertsOf(store);
   if (!alerts.length) return null;
@@ -22,18 +24,20 @@ export function AlertList({ store, onSelect }) {
     </ul>`;
 }
 
-/** @param {{alert: Alert, store: Store, onSelect: (id: string) => void}} props */
+/** @param {{alert: Alert, store: Store, onSelect: (subject: Subject) => void}} props */
 function AlertCard({ alert, store, onSelect }) {
   const kind = ALERT_KINDS[alert.kind];
+  const subject = subjectOf(alert);
+  const isSelected = subject !== null && store.selected?.kind === subject.kind && store.selected.id === subject.id;
   return html`
     <li class=${`card alert-card alert-${alert.severity} ${isOpen(alert) ? "" : "noted"} ${
-      store.selected?.kind === "tag" && store.selected.id === alert.tag_id ? "selected" : ""}`} data-alert=${alert.alert_id}>
-      <button class="card-body" type="button" onClick=${() => onSelect(alert.tag_id)}
-              title=${`Show node ${alert.tag_id} on the plan`}>
+      isSelected ? "selected" : ""}`} data-alert=${alert.alert_id}>
+      <button class="card-body" type="button" disabled=${subject === null}
+              onClick=${() => subject && onSelect(subject)} title=${subject ? `Show ${subject.id} on the plan` : ""}>
         <span class="card-head">
           <span class="alert-glyph" aria-hidden="true">${kind?.glyph}</span>
-          <span class="card-name">${alert.tag_id}</span>
-          <span class="alert-kind" title=${kind?.label}>${alarming(alert, store.nodes.get(alert.tag_id))}</span>
+          <span class="card-name">${subject?.id ?? kind?.label}</span>
+          <span class="alert-kind" title=${kind?.label}>${alarming(alert, store.nodes.get(alert.tag_id ?? ""))}</span>
         </span>
         <span class="reason">${alert.text}</span>
         <span class="reason">Since ${timeOfDay(alert.raised_unix_s)}${
@@ -68,6 +72,7 @@ export function TagCard({ store }) {
           tag.sightings === 1 ? "once" : `${tag.sightings} times`} by ${tag.robots.join(", ")}.</p>`
         : html`<p>Heard by radio; where it is, is not known yet.</p>`}
       ${tag?.notice && html`<p class="warn">${tag.notice}</p>`}
+      ${tag && html`<${TagMemory} key=${id} store=${store} tagId=${id} />`}
       ${node && html`
         <dl class="readings">${readings(node).map(([label, value]) =>
           html`<div><dt>${label}</dt><dd>${value}</dd></div>`)}</dl>

@@ -2,6 +2,7 @@
 
 import { robotColor } from "./color.js";
 import { ellipse } from "./format.js";
+import { drawFrontiers } from "./frontiers.js";
 
 /** @import {Store} from "./store.js" */
 /** @import {View} from "./canvas_layer.js" */
@@ -52,6 +53,7 @@ export const drawInk = (store) =>
     ctx.lineJoin = ctx.lineCap = "round";
     if (store.layers.links) drawLinks(ctx, view, store);
     if (store.layers.trails) drawTrails(ctx, view, store);
+    if (store.layers.frontiers && !store.best.isShown) drawFrontiers(ctx, view, store);
     if (store.layers.plans) drawPlan(ctx, view, store);
     if (store.layers.tags) drawTags(ctx, view, store);
   };
@@ -196,7 +198,7 @@ function drawTags(ctx, view, store) {
   drawDoubtedTags(ctx, drawn.filter(({ tag }) => isDoubted(tag)), radius + 1.5);
   if (store.selected?.kind === "tag") drawSelected(ctx, drawn.find(({ tag }) => tag.tag_id === store.selected?.id));
   if (!isClose) return;
-  const alerted = new Set(store.layers.sensors ? [...store.alerts.values()].map((alert) => alert.tag_id) : []);
+  const alerted = new Set(store.layers.sensors ? [...store.alerts.values()].map((alert) => alert.tag_id ?? "") : []);
   const named = drawn.filter(({ tag }) => !alerted.has(tag.tag_id)); // an alert's mark has the name already
   drawTagLabels(ctx, named, radius, store.layers.sensors ? store.nodes : null);
 }

@@ -13,7 +13,7 @@ import { PlanTools } from "./stage.js";
 import { StopControl } from "./stop_control.js";
 import { Store } from "./store.js";
 import { Stream } from "./stream.js";
-import { StopBanner, TopBar, Veil } from "./top_bar.js";
+import { Banners, TopBar, Veil } from "./top_bar.js";
 import { html, render } from "./vendor.js";
 
 const MISSIONS_MS = 5000;
@@ -36,6 +36,9 @@ const select = (kind) => (/** @type {string} */ id) => {
   store.select({ kind, id });
   plan.centreOnSelected();
 };
+
+/** @param {{kind: "robot" | "victim" | "tag", id: string}} subject */
+const show = ({ kind, id }) => select(kind)(id);
 
 /** @param {string} missionId */
 function openMission(missionId) {
@@ -117,10 +120,10 @@ function renderPanels() {
   document.body.dataset.connection = state;
   document.title = `${state === "stale" ? "STALE · " : ""}${store.mission?.name ?? "Waymark"} · Waymark`;
   render(html`<${TopBar} store=${store} stops=${stops} onMission=${openMission} onView=${setView} />`, element("top"));
-  render(html`<${StopBanner} store=${store} stops=${stops} />`, element("banner"));
+  render(html`<${Banners} store=${store} stops=${stops} />`, element("banner"));
   render(html`<${RobotList} store=${store} stops=${stops} onSelect=${select("robot")} />`, element("robots"));
   render(html`
-    <section id="alerts" aria-label="Alerts"><${AlertList} store=${store} onSelect=${select("tag")} /></section>
+    <section id="alerts" aria-label="Alerts"><${AlertList} store=${store} onSelect=${show} /></section>
     <section id="victims" aria-label="Victims"><${VictimList} store=${store} onSelect=${select("victim")} /></section>
     <section id="events" aria-label="Events"><${EventFeed} store=${store} onSelect=${select("robot")} /></section>`,
     element("reports"));

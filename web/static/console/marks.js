@@ -101,16 +101,17 @@ export class Marks {
 
   /** At the node that it is about, as far as the map has that. @param {Alert} alert */
   #alert(alert) {
-    const tag = this.store.shown.tags.get(alert.tag_id);
-    const key = `alert/${alert.tag_id}`;
+    const tagId = alert.tag_id ?? "";
+    const tag = this.store.shown.tags.get(tagId);
+    const key = `alert/${tagId}`;
     if (!tag) return null;
     const mark = this.marks.get(key) ?? this.#add(key, "alert", noteShape(), () =>
-      this.onSelect({ kind: "tag", id: alert.tag_id }));
+      this.onSelect({ kind: "tag", id: tagId }));
     mark.root.dataset.severity = alert.severity;
-    mark.root.dataset.alert = alert.tag_id;
+    mark.root.dataset.alert = tagId;
     mark.root.classList.toggle("noted", !isOpen(alert));
     mark.parts.glyph.textContent = ALERT_KINDS[alert.kind]?.glyph ?? "!";
-    mark.parts.name.textContent = `${alert.tag_id} · ${alarming(alert, this.store.nodes.get(alert.tag_id))}`;
+    mark.parts.name.textContent = `${tagId} · ${alarming(alert, this.store.nodes.get(tagId))}`;
     mark.root.setAttribute("aria-label", alert.text);
     this.#moveTo(mark, [tag.x_m, tag.y_m, 0]);
     return key;

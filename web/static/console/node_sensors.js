@@ -11,6 +11,15 @@ export const ALERT_KINDS = {
   hot: { glyph: "°C", label: "Hot" },
   tilted: { glyph: "∠", label: "Knocked over" },
   pressure: { glyph: "hPa", label: "Pressure changed" },
+  lost: { glyph: "…", label: "Lost" },
+  stuck: { glyph: "⨯", label: "Stuck" },
+  slipping: { glyph: "≈", label: "Wheels slip" },
+  battery: { glyph: "▁", label: "Battery low" },
+  magazine: { glyph: "0", label: "Few tags left" },
+  agent: { glyph: "↻", label: "Agent" },
+  tag: { glyph: "?", label: "Tag moved?" },
+  victim: { glyph: "+", label: "Victim seen" },
+  mayday: { glyph: "!", label: "MAYDAY" },
 };
 
 /** @param {Alert} alert */
@@ -31,7 +40,7 @@ export function alertsOf(store, tagId) {
 
 /** The most urgent alert of each tag. @param {Store} store @returns {Map<string, Alert>} */
 export function alertByTag(store) {
-  return new Map(alertsOf(store).reverse().map((alert) => [alert.tag_id, alert]));
+  return new Map(alertsOf(store).reverse().flatMap((alert) => (alert.tag_id ? [[alert.tag_id, alert]] : [])));
 }
 
 /** @param {Node} node */
@@ -44,9 +53,16 @@ export function readings(node) {
   ].filter(([, value]) => value);
 }
 
+/** What an alert is about, to be shown on the plan. @param {Alert} alert @returns {{kind: "robot" | "victim" | "tag", id: string} | null} */
+export function subjectOf({ victim_id, tag_id, robot_id }) {
+  if (victim_id) return { kind: "victim", id: victim_id };
+  if (tag_id) return { kind: "tag", id: tag_id };
+  return robot_id ? { kind: "robot", id: robot_id } : null;
+}
+
 /** The reading that an alert is about, in short. @param {Alert} alert @param {Node | undefined} node */
 export function alarming(alert, node) {
-  if (!node) return ALERT_KINDS[alert.kind]?.label ?? alert.kind;
+  if (!node || !["hot", "tilted", "pressure"].includes(alert.kind)) return ALERT_KINDS[alert.kind]?.label ?? alert.kind;
   if (alert.kind === "hot") return `${fixed(node.temperature_c, 0)} °C`;
   if (alert.kind === "tilted") return "knocked over";
   return `${fixed(node.pressure_hpa, 0)} hPa`;
@@ -66,7 +82,7 @@ export async function acknowledge(store, alerts, event) {
     try {
       await request("POST", path);
     } catch (error) {
-      store.notify(`The alert about ${alert.tag_id} was not acknowledged. ${/** @type {Error} */ (error).message}`);
+      store.notify(`Not acknowledged: ${alert.text} ${/** @type {Error} */ (error).message}`);
       break;
     }
   }

@@ -5,6 +5,7 @@ import { canvasLayer } from "./canvas_layer.js";
 import { drawGround, drawInk } from "./ink.js";
 import { Marks } from "./marks.js";
 import { drawEnds } from "./map_switch.js";
+import { pickPlace } from "./robot_orders.js";
 import { L } from "./vendor.js";
 
 /** @import {Store} from "./store.js" */
@@ -66,6 +67,7 @@ export class Plan {
     this.map.on("zoom move", () => store.changed());
     this.map.on("mousemove", (event) => this.#point(event.latlng));
     this.map.on("click", (event) => {
+      if (pickPlace(store, { x_m: event.latlng.lng, y_m: event.latlng.lat })) return;
       const id = this.#tagAt(event.latlng, CLICK_PX);
       if (id) store.select({ kind: "tag", id });
     });
@@ -78,6 +80,7 @@ export class Plan {
   }
 
   update() {
+    this.map.getContainer().classList.toggle("picking", this.store.picking !== null);
     this.building.update();
     this.best.update();
     this.marks.update();

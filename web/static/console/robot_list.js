@@ -2,6 +2,8 @@
 
 import { robotColor } from "./color.js";
 import { age, ellipse, fixed, metres, percent } from "./format.js";
+import { HoldButton } from "./hold_button.js";
+import { RobotOrders, shareOf } from "./robot_orders.js";
 import { html } from "./vendor.js";
 
 /** @import {Robot} from "./types.js" */
@@ -71,15 +73,19 @@ function RobotCard({ robot, store, stops, isCompact, onSelect }) {
           <//>
           <${Figure} label="Tags left" value=${fixed(robot.tags_left, 0)} warn=${robot.tags_left === 0} />
           <${Figure} label="Driven" value=${metres(robot.distance_m)} />
+          <${Figure} label="Explored" value=${`${fixed(robot.explored_m2, 0)} m²`}>
+            <span class="gauge share" title=${`${percent(shareOf(robot, store))} of what the team has explored`}>
+              <i style=${{ width: `${Math.round(100 * shareOf(robot, store))}%` }}></i></span>
+          <//>
           <${Figure} label="Position" value=${`± ${fixed(ellipse(robot.covariance).major_m, 2)} m`} />
         </span>
       </button>
       <div class="card-stop">
         ${stop === "free"
-          ? html`<button type="button" class="stop" onClick=${() => stops.stop(id)} aria-label=${`Stop ${id}`}>
-              STOP</button>`
+          ? html`<${HoldButton} label="STOP" name=${`Stop ${id}`} kind="stop" onFire=${() => stops.stop(id)} />`
           : html`<div class=${`stop-state stop-${stop}`} role="status">${STOP_WORDS[stop]}</div>`}
       </div>
+      ${isSelected && html`<${RobotOrders} robot=${robot} store=${store} />`}
       ${robot.stopped && html`
         <div class="card-foot">
           <span>${link === "live" ? "Stands still by order." : "Takes effect when it is heard again."}</span>

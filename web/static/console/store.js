@@ -2,8 +2,8 @@
 
 import { BestMap } from "./best_map.js";
 
-/** @import {Alert, Annotation, ConnectionState, MapInfo, Mission, MissionEvent, Node} from "./types.js" */
-/** @import {Me, Person, Robot, Tag, Trail, Victim} from "./types.js" */
+/** @import {Alert, Annotation, ConnectionState, Evacuation, MapInfo, Mission, MissionEvent, Node} from "./types.js" */
+/** @import {Frontiers, Me, Orders, Person, Robot, Tag, Trail, Victim} from "./types.js" */
 
 const PREFERENCES = "waymark.console";
 const LATE_AFTER_S = 3;
@@ -18,6 +18,7 @@ export const LAYERS = /** @type {const} */ ({
   sensors: ["Node sensors", true],
   links: ["Links between tags", true],
   uncertainty: ["Uncertainty (2σ)", true],
+  frontiers: ["Edges of the unknown", true],
   plans: ["Plan of selected robot", true],
   victims: ["Victims", true],
   notes: ["Notes and hazards", true],
@@ -26,6 +27,8 @@ export const LAYERS = /** @type {const} */ ({
 export class Store {
   /** @type {Mission | null} */
   mission = null;
+  /** The order to leave, while it holds. @type {Evacuation | null} */
+  evacuation = null;
   /** @type {Map<string, Robot>} */
   robots = new Map();
   /** @type {Map<string, Trail>} */
@@ -42,6 +45,10 @@ export class Store {
   annotations = new Map();
   /** @type {Map<string, MissionEvent>} */
   events = new Map();
+  /** Where each robot could go. @type {Map<string, Frontiers>} */
+  frontiers = new Map();
+  /** The latest orders to each robot. @type {Map<string, Orders>} */
+  orders = new Map();
   /** Who watches the mission. @type {Map<string, Person>} */
   people = new Map();
   /** Who is logged in here; null before that is known. @type {Me | null} */
@@ -54,6 +61,7 @@ export class Store {
   keyed = {
     robot: this.robots, trail: this.trails, tag: this.tags, victim: this.victims, annotation: this.annotations,
     event: this.events, node: this.nodes, alert: this.alerts, person: this.people,
+    frontiers: this.frontiers, orders: this.orders,
   };
 
   constructor() {
@@ -71,6 +79,8 @@ export class Store {
     /** @type {Map<number, {text: string, level: "warning" | "alarm"}>} */
     this.notices = new Map();
     this.exploredM2 = 0;
+    /** What the next click on the plan sends a robot to. @type {{robotId: string, kind: "go_to" | "explore_here"} | null} */
+    this.picking = null;
     const kept = readPreferences();
     /** @type {Record<string, boolean>} */
     this.layers = Object.fromEntries(
@@ -90,6 +100,7 @@ export class Store {
   clearBoard() {
     for (const map of Object.values(this.keyed)) map.clear();
     this.mission = null;
+    this.evacuation = null;
     this.links = [];
     this.map = null;
     this.best.take(null);
@@ -136,6 +147,7 @@ export class Store {
       if (value === null) this.keyed[kind].delete(id);
       else this.keyed[kind].set(id, value);
     } else if (kind === "mission") this.mission = value;
+    else if (kind === "evacuation") this.evacuation = value;
     else if (kind === "links") this.links = value?.pairs ?? [];
     else if (kind === "map") this.map = value;
     else if (kind === "best_map") this.best.take(value);

@@ -2,6 +2,8 @@
 
 import { Account } from "./account.js";
 import { missionClock, timeOfDay } from "./format.js";
+import { EvacuateButton, EvacuationBanner } from "./evacuation.js";
+import { HoldButton } from "./hold_button.js";
 import { isOpen } from "./node_sensors.js";
 import { ResumeButton } from "./robot_list.js";
 import { html } from "./vendor.js";
@@ -55,6 +57,7 @@ export function TopBar({ store, stops, onMission, onView }) {
         aria-pressed=${store.view === view} onClick=${() => onView(view)}>${label}</button>`)}
     </div>
     <${Account} store=${store} />
+    <${EvacuateButton} store=${store} />
     <${StopAll} store=${store} stops=${stops} />`;
 }
 
@@ -79,12 +82,17 @@ function StopAll({ store, stops }) {
       <b>${pending.tries > 1 ? "Not confirmed" : "Stopping all"}</b>
       ${pending.tries > 1 && html`<span>sent ${pending.tries} times</span>`}</div>`;
   }
-  return html`<button type="button" class="stop-all" disabled=${robots.length === 0} onClick=${() => stops.stop()}>
-    STOP ALL</button>`;
+  return html`<${HoldButton} label="STOP ALL" name="STOP ALL" kind="stop-all" disabled=${robots.length === 0}
+    onFire=${() => stops.stop()} />`;
 }
 
-/** A strip under the bar while every robot is held by an order. @param {{store: Store, stops: StopControl}} props */
-export function StopBanner({ store, stops }) {
+/** What stands across the page under the bar. @param {{store: Store, stops: StopControl}} props */
+export function Banners({ store, stops }) {
+  return html`<${EvacuationBanner} store=${store} /><${StopBanner} store=${store} stops=${stops} />`;
+}
+
+/** A strip while every robot is held by an order. @param {{store: Store, stops: StopControl}} props */
+function StopBanner({ store, stops }) {
   const robots = [...store.robots.values()];
   if (!robots.length || !robots.every((robot) => robot.stopped)) return null;
   return html`<div class="stop-banner">

@@ -5,16 +5,23 @@
  *   stopped_all?: boolean}} Mission
  * @typedef {{robot_id: string, x_m: number, y_m: number, yaw_rad: number, covariance: number[], stamp_s: number,
  *   heard_unix_s: number | null, activity: string, reason: string, battery: number | null, tags_left: number | null,
- *   agent: string, slam?: string, stopped: boolean, link: "live" | "late" | "lost", slipping: boolean, located: boolean,
+ *   agent: string, slam?: string, methods?: Record<string, string>, stopped: boolean, link: "live" | "late" | "lost", slipping: boolean, located: boolean,
  *   explored_m2: number, distance_m: number, goal_m: [number, number] | null, path_m: [number, number][],
  *   speed_mps: number | null}} Robot
+ * @typedef {{robot_id: string, frontiers: {x_m: number, y_m: number, length_m: number, worth_m: number,
+ *   chosen: boolean}[]}} Frontiers
+ * @typedef {{order_id: string, kind: string, by: string, issued_unix_s: number, x_m: number | null, y_m: number | null,
+ *   explore: string, coordinate: string, communication: string, state: "issued" | "delivered" | "done" | "failed",
+ *   text: string}} Order
+ * @typedef {{robot_id: string, orders: Order[]}} Orders
+ * @typedef {{explore: string[], coordinate: string[], communication: string[]}} Methods
  * @typedef {{robot_id: string, points_m: [number, number][]}} Trail
  * @typedef {{tag_id: string, x_m: number, y_m: number, covariance: number[], sightings: number,
  *   robots: string[], state?: "sound" | "moved" | "cloned" | "doubtful", notice?: string}} Tag
  * @typedef {{tag_id: string, temperature_c: number | null, pressure_hpa: number | null, tilt_rad: number | null,
  *   heard_unix_s: number, robot_id: string}} Node
- * @typedef {{alert_id: string, tag_id: string, kind: string, text: string, robot_id: string,
- *   severity: "info" | "warning" | "alarm", raised_unix_s: number, over_unix_s: number | null,
+ * @typedef {{alert_id: string, kind: string, text: string, robot_id: string | null, tag_id: string | null,
+ *   victim_id: string | null, severity: "info" | "warning" | "alarm", raised_unix_s: number, over_unix_s: number | null,
  *   acknowledged_by: string, acknowledged_unix_s: number | null}} Alert
  * @typedef {{victim_id: string, x_m: number, y_m: number, covariance: number[], confidence: number, status: string,
  *   sightings: number, robots: string[], note?: string | null}} Victim
@@ -31,6 +38,7 @@
  *   victims: {victim_id: string, x_m: number, y_m: number, covariance: number[]}[]}} BestMapContent
  * @typedef {{event_id: number, unix_s: number, kind: string, text: string, robot_id?: string | null,
  *   severity: "info" | "warning" | "alarm"}} MissionEvent
+ * @typedef {{ordered: boolean, by: string, since_unix_s: number, acknowledged: {name: string, unix_s: number}[]}} Evacuation
  * @typedef {{name: string, role: string, since_unix_s: number, pages: number}} Person
  * @typedef {{name: string, role: string, login: boolean}} Me
  * @typedef {"loading" | "live" | "reconnecting" | "stale" | "none" | "failed"} ConnectionState

@@ -13,10 +13,19 @@ from robots.sim.arena.reader import BelievedPlaces
 from robots.sim.arena.result import leaves_a_hole
 from robots.sim.arena.run import Arena, play
 from robots.sim.scenario import ScenarioConfig, ScenarioError
+from robots.sim.sensors import LaserConfig
 from robots.sim.tags import TagField
 
-AGENT = AgentConfig(planning=PlanningConfig(explore="nearest"), deployment=DeploymentConfig(rate_per_m=5.0))
+AGENT = AgentConfig(planning=PlanningConfig(explore="nearest"), deployment=DeploymentConfig(even_m=1.0))
 TWO = ScenarioConfig("office:60", robots=2, seed=3, poses="truth", victims=0, agent_config=AGENT)
+SILENT = replace(
+    TWO,
+    base_tag=False,
+    agent_config=AgentConfig(
+        planning=PlanningConfig(explore="nearest", communication="none"),
+        deployment=DeploymentConfig(magazine=0),
+    ),
+)
 CONFIG = ArenaConfig(TWO, budget_m=8.0)
 
 
@@ -50,16 +59,29 @@ def test_what_the_laser_truly_saw_is_what_counts():
 
 
 def test_one_map_for_all_spares_the_second_robot_the_first_ones_ways():
-    scores = {"none": 0.0, "full": 0.0}
+    scores = {False: 0.0, True: 0.0}
     for seed in range(4):
-        team = replace(TWO, map="office:150", robots=3, seed=seed)
-        for sharing in ("none", "full"):
-            scores[sharing] += play(ArenaConfig(team, sharing=sharing, budget_m=10.0)).score
-    assert scores["full"] > 1.1 * scores["none"]
-    together = Arena(replace(CONFIG, sharing="full"), ground_of(TWO))
+        team = replace(SILENT, map="office:150", robots=3, seed=seed)
+        for one_map in scores:
+            scores[one_map] += play(ArenaConfig(team, one_map=one_map, budget_m=10.0)).score
+    assert scores[True] > 1.5 * scores[False]
+    together = Arena(ArenaConfig(SILENT, one_map=True, budget_m=8.0), ground_of(SILENT))
     together.play()
     assert together.robots[0].map.cells is together.robots[1].map.cells
     assert len(together.field.tags) == 0
+
+
+def test_robots_that_know_the_same_do_the_same_and_those_that_talk_do_not():
+    """With a perfect laser, at one place: the hardest start."""
+    team = replace(SILENT, laser=LaserConfig(sd_m=0.0))
+    arena = Arena(ArenaConfig(team, budget_m=8.0), ground_of(team))
+    arena.play()
+    assert np.array_equal(arena.robots[0].seen, arena.robots[1].seen)
+    planning = PlanningConfig(explore="nearest", communication="full", coordinate="exclusion")
+    team = replace(team, map="office:150", agent_config=replace(AGENT, planning=planning))
+    talking = Arena(ArenaConfig(team, "at once", budget_m=8.0, limit_s=60.0), ground_of(team))
+    talking.play()
+    assert (talking.robots[0].seen != talking.robots[1].seen).mean() > 0.02
 
 
 def test_all_at_once_time_and_way_go_on_until_all_is_seen():

@@ -1,0 +1,142 @@
+/** What a person can tell a robot: go back, stand still, go somewhere, explore by another strategy. */
+
+import { missionPath, request } from "./api.js";
+import { fixed, percent } from "./format.js";
+import { html } from "./vendor.js";
+
+/** @import {Methods, Order, Robot} from "./types.js" */
+/** @import {Store} from "./store.js" */
+
+/** @type {Record<string, string>} */
+const ORDERS = {
+  return: "Return", hold: "Hold", resume: "Resume exploring", go_to: "Go to", explore_here: "Explore here",
+  drop_tag: "Drop a tag", methods: "Explore by",
+};
+/** @type {Record<string, string>} */
+const STATES = { issued: "waiting to be heard", delivered: "under way", done: "done", failed: "failed" };
+
+/** The names of all methods; asked for once. @type {Methods | null} */
+let methods = null;
+let isAsking = false;
+
+/** @param {Store} store */
+async function learnMethods(store) {
+  if (methods || isAsking) return;
+  isAsking = true;
+  try {
+    methods = await request("GET", "/methods");
+  } catch {
+    setTimeout(() => store.changed(), 2000); // the next drawing asks again
+  }
+  isAsking = false;
+  store.changed();
+}
+
+/**
+ * @param {Store} store
+ * @param {string} robotId
+ * @param {string} what said when it fails
+ * @param {Promise<unknown>} answer
+ */
+async function told(store, robotId, what, answer) {
+  try {
+    await answer;
+  } catch (error) {
+    store.notify(`${what} was not ordered for ${robotId}. ${/** @type {Error} */ (error).message}`);
+  }
+  store.changed();
+}
+
+/**
+ * @param {Store} store
+ * @param {string} robotId
+ * @param {string} kind
+ * @param {{x_m: number, y_m: number}} [place]
+ */
+export function order(store, robotId, kind, place) {
+  const path = `${missionPath(store.missionId ?? "")}/robots/${encodeURIComponent(robotId)}/orders`;
+  return told(store, robotId, ORDERS[kind] ?? kind, request("POST", path, { kind, ...place }));
+}
+
+/**
+ * @param {Store} store
+ * @param {string} robotId
+ * @param {Record<string, string>} changed
+ */
+function change(store, robotId, changed) {
+  const path = `${missionPath(store.missionId ?? "")}/robots/${encodeURIComponent(robotId)}`;
+  return told(store, robotId, "The change", request("PATCH", path, changed));
+}
+
+/**
+ * Send the robot that is waiting for a click to a place; say whether there was one.
+ * @param {Store} store
+ * @param {{x_m: number, y_m: number}} place
+ */
+export function pickPlace(store, place) {
+  if (!store.picking) return false;
+  const { robotId, kind } = store.picking;
+  store.picking = null;
+  order(store, robotId, kind, { x_m: Number(place.x_m.toFixed(2)), y_m: Number(place.y_m.toFixed(2)) });
+  return true;
+}
+
+/** How much of what the team has explored is in this robot's own map, 0..1. @param {Robot} robot @param {Store} store */
+export function shareOf(robot, store) {
+  return store.exploredM2 > 0 ? Math.min(1, robot.explored_m2 / store.exploredM2) : 0;
+}
+
+/** On the selected robot's card. @param {{robot: Robot, store: Store}} props */
+export function RobotOrders({ robot, store }) {
+  learnMethods(store);
+  const id = robot.robot_id;
+  const latest = store.orders.get(id)?.orders[0];
+  const isHeld = latest !== undefined && ["return", "hold", "go_to"].includes(latest.kind) && latest.state !== "failed";
+  /** @param {string} kind @param {string} label */
+  const button = (kind, label) => html`<button type="button" onClick=${() => order(store, id, kind)}>${label}</button>`;
+  /** @param {"go_to" | "explore_here"} kind @param {string} label */
+  const picker = (kind, label) => html`<button type="button"
+    aria-pressed=${store.picking?.robotId === id && store.picking.kind === kind}
+    onClick=${() => pick(store, id, kind)}>${label}</button>`;
+  return html`
+    <div class="robot-orders">
+      <div class="order-buttons" role="group" aria-label=${`Orders to ${id}`}>
+        ${button("return", "Return")}${isHeld ? button("resume", "Resume") : button("hold", "Hold")}
+        ${picker("go_to", "Go to…")}${picker("explore_here", "Explore here…")}${button("drop_tag", "Drop tag")}
+      </div>
+      ${store.picking?.robotId === id && html`<p class="order-state" role="status">
+        Click on the plan: that is where ${id} goes.</p>`}
+      <p class="order-state">Its own map holds ${fixed(robot.explored_m2, 0)} m², ${
+        percent(shareOf(robot, store))} of what the team has explored.</p>
+      ${methods && html`<${Strategy} robot=${robot} store=${store} known=${methods} />`}
+      ${latest && html`<${Latest} order=${latest} />`}
+    </div>`;
+}
+
+/** @param {{robot: Robot, store: Store, known: Methods}} props */
+function Strategy({ robot, store, known }) {
+  const now = robot.methods?.explore ?? "";
+  return html`<label class="strategy"><span>Explores by</span>
+    <select value=${now} onChange=${(/** @type {any} */ event) =>
+      change(store, robot.robot_id, { explore: event.currentTarget.value })}>
+      ${known.explore.map((name) => html`<option value=${name} selected=${name === now}>${name}</option>`)}
+    </select></label>`;
+}
+
+/** @param {{order: Order}} props */
+function Latest({ order }) {
+  const what = order.kind === "methods" ? `Explore by ${order.explore || "other methods"}` : ORDERS[order.kind] ?? order.kind;
+  return html`<p class=${`order-state order-${order.state}`} role="status"><b>${what}: ${STATES[order.state]}</b>${
+    order.text && html`, ${order.text}`}.</p>`;
+}
+
+/**
+ * @param {Store} store
+ * @param {string} robotId
+ * @param {"go_to" | "explore_here"} kind
+ */
+function pick(store, robotId, kind) {
+  const isAgain = store.picking?.robotId === robotId && store.picking.kind === kind;
+  store.picking = isAgain ? null : { robotId, kind };
+  store.changed();
+}
