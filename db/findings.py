@@ -10,9 +10,10 @@ from sqlalchemy import Connection, and_, delete, insert, select, update
 
 from db import tables
 from db.engine import Database, upsert
-from db.records import AnnotationRecord, EventRecord
+from db.records import AnnotationRecord, EventRecord, VictimRecord
 from db.tags import place_columns, place_of
-from db.victim_records import SaidRecord, VictimRecord
+
+_SAID_BY_PEOPLE = ("status", "note", "by")
 
 
 class FindingStore:
@@ -25,12 +26,12 @@ class FindingStore:
         """Keep what the team measured of victims; what people said about a known one stays."""
         rows = [_victim_row(mission_id, record) for record in records]
         await self._database.write(
-            lambda c: upsert(c, tables.victims, rows, keep=("said", "by")), durable=True
+            lambda c: upsert(c, tables.victims, rows, keep=_SAID_BY_PEOPLE), durable=True
         )
 
-    async def record_said(self, mission_id: str, victim: VictimRecord) -> None:
-        """Keep what people said about a victim."""
-        said = {"said": victim.said.value(), "by": victim.said.by}
+    async def record_status(self, mission_id: str, victim: VictimRecord) -> None:
+        """Keep what a person said about a victim: status, note, by whom."""
+        said = {name: getattr(victim, name) for name in _SAID_BY_PEOPLE}
         chosen = and_(
             tables.victims.c.mission_id == mission_id, tables.victims.c.victim_id == victim.victim_id
         )
@@ -112,18 +113,16 @@ class FindingStore:
 
 def _victim_row(mission_id: str, record: VictimRecord) -> dict[str, Any]:
     row = {item.name: getattr(record, item.name) for item in fields(record) if item.name != "place"}
-    row |= {"robots": list(record.robots), "said": record.said.value(), "by": record.said.by}
-    return {"mission_id": mission_id, **row, **place_columns(record.place)}
+    return {"mission_id": mission_id, **row, **place_columns(record.place), "robots": list(record.robots)}
 
 
 def _victim(row: Any) -> VictimRecord:
     values = {
         item.name: getattr(row, item.name)
         for item in fields(VictimRecord)
-        if item.name not in ("place", "robots", "said")
+        if item.name not in ("place", "robots")
     }
-    said = SaidRecord.of(row.said)
-    return VictimRecord(place=place_of(row), robots=tuple(row.robots), said=said, **values)
+    return VictimRecord(place=place_of(row), robots=tuple(row.robots), **values)
 
 
 def _events(connection: Connection, query: Any) -> list[EventRecord]:
