@@ -17,7 +17,7 @@ from robots.exploration.aim import Decision
 from robots.exploration.claims import PlaceOf
 from robots.exploration.communication import Communication
 from robots.exploration.explorer import Explorer
-from robots.exploration.strategy import AnswersTags, PlansLocally
+from robots.exploration.strategy import AnswersTags
 from robots.exploration.witness import Witness
 from robots.mapping.fused import FusedGrid
 from robots.mapping.local_grid import LocalGrid
@@ -183,8 +183,7 @@ class Scout:
         if self.decision.drop_tag and self._dropper.drop_here(now.distance_m):
             self.explorer.errands.tag_dropped()
             return True
-        strategy = self.explorer.goals.strategy
-        even_m = strategy.tag_every_m if isinstance(strategy, PlansLocally) else 0.0
+        even_m: float = getattr(self.explorer.goals.strategy, "tag_every_m", 0.0)  # of PlansLocally
         return self._dropper.should_drop(now.distance_m, now.pose, now.fused, now.tag_places(), even_m)
 
     def _hear(self, now: Situation, sighting: TagSighting) -> None:
