@@ -165,6 +165,7 @@ class RangeSlamConfig:
     offset_lasts_s: float = 0.0  # an offset fades and comes anew within so long; 0: it stays
     outlier_share: float = 0.02  # of the ranges, which may be anything
     outlier_reach_m: float = 20.0  # over so much
+    starts_known: bool = False  # in one frame, that of all robots' maps
 
 
 @dataclass(frozen=True, slots=True)

@@ -31,6 +31,18 @@ class AnchorLog:
         """Index of the newest anchor."""
         return len(self._edges)
 
+    @property
+    def edges(self) -> list[GaussianPose]:
+        """The measured displacements from each anchor to the next."""
+        return self._edges
+
+    def ranges_by_tag(self) -> dict[str, list[tuple[int, tuple[float, ...]]]]:
+        """Return anchor and row (``RangeMean.row``) of what was heard of each tag, in the order of time."""
+        found: dict[str, list[tuple[int, tuple[float, ...]]]] = {}
+        for (anchor, tag_id), mean in self._ranges.items():
+            found.setdefault(tag_id, []).append((anchor, mean.row))
+        return found
+
     def add_anchor(self, displacement: GaussianPose, stamp_s: float, yaw_rad: float | None) -> None:
         """Append an anchor at the measured displacement from the newest one."""
         self._edges.append(GaussianPose(displacement.mean, displacement.covariance + _FLOOR))

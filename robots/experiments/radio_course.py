@@ -1,4 +1,4 @@
-"""Robots among radio nodes: true ways, what they hear and measure, and what RSLAM makes of it.
+"""Robots among radio nodes: true ways, and what they hear and measure.
 
 The air is the simulator's: shadowing fixed for each place, walls that take their part, readings that fade and
 sometimes are outliers. Odometry errs at random in distance and turn; how much is one number for each robot.
@@ -16,34 +16,25 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
-from robots.config import AgentConfig, OdometryConfig, RadioConfig, RangeSlamConfig
-from robots.estimation.odometry import motion_covariance
-from robots.estimation.radio.model import NODE, RadioModel
+from robots.config import OdometryConfig, RadioConfig
+from robots.estimation.radio.model import NODE
 from robots.estimation.radio.signal_mean import robust_mean
-from robots.estimation.rslam.range_slam import RangeSlam
-from robots.estimation.tag_filter import RangeSighting
-from robots.se2 import Array, GaussianPose, Pose2
+from robots.se2 import Array
 from robots.sim.channel import Channel
 from robots.sim.starts import place_tags
 from robots.sim.tags import TagField
 from robots.sim.world import World
-from robots.tags.map_memory import WriterMap, merge_maps
 
 STEP_M = 0.5  # so far a place's shadowing reaches
 READINGS = 10  # of each node at a place
 SPIKE_SHARE, SPIKE_DB = 0.05, (10.0, 30.0)
 _SURVEY_M = 100.0
-_WRITE_EVERY = 10  # steps
 _CELL_M, _CLEARANCE_M = 0.5, 0.3
-_NOISE = OdometryConfig(  # times the level
+ODOMETRY = OdometryConfig(  # times the level
     distance_sd_per_sqrt_m=0.1, turn_sd_per_sqrt_m=0.05, turn_sd_per_sqrt_rad=0.05, lateral_sd_per_sqrt_m=0.02
 )
 
-_SURVEYED = RangeSlamConfig(scale_sd=0.03)  # the radio's path loss was measured
-
 shortest: Any = dijkstra  # its stubs know no single index
-
-Memories = dict[str, tuple[WriterMap, ...]]  # what is in each node
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -130,9 +121,10 @@ def measured(course: RadioCourse, level: float, random: np.random.Generator) -> 
     """Return what odometry of a noise level tells of each step, (n - 1, 2)."""
     motions = course.motions
     noise = random.standard_normal(motions.shape)
-    distance_sd = _NOISE.distance_sd_per_sqrt_m * np.sqrt(motions[:, 0])
+    distance_sd = ODOMETRY.distance_sd_per_sqrt_m * np.sqrt(motions[:, 0])
     turn_sd = np.sqrt(
-        _NOISE.turn_sd_per_sqrt_m**2 * motions[:, 0] + _NOISE.turn_sd_per_sqrt_rad**2 * np.abs(motions[:, 1])
+        ODOMETRY.turn_sd_per_sqrt_m**2 * motions[:, 0]
+        + ODOMETRY.turn_sd_per_sqrt_rad**2 * np.abs(motions[:, 1])
     )
     told: Array = motions + level * noise * np.column_stack([distance_sd, turn_sd])
     return told
@@ -171,57 +163,6 @@ def calibrated(courses: Sequence[RadioCourse], seeds: Sequence[int], error_m: fl
 def mean_error_m(places: Array, course: RadioCourse) -> float:
     """Return the mean distance from the truth, (n, 2) of places."""
     return float(np.hypot(*(places - course.poses[:, :2]).T).mean())
-
-
-def run_slam(
-    robot_id: str,
-    course: RadioCourse,
-    told: Array,
-    level: float,
-    radio: RadioConfig,
-    seed: int,
-    memories: Memories,
-    shared: bool,
-) -> Array:
-    """Run RSLAM over a course and return where it has the robot at each step, (n, 2), online.
-
-    ``memories`` are read where ``shared``; what the robot maps is left in the nodes it hears.
-    """
-    config = AgentConfig(seed=seed, radio=radio, rslam=_SURVEYED)
-    noise = replace(
-        _NOISE,
-        distance_sd_per_sqrt_m=level * _NOISE.distance_sd_per_sqrt_m,
-        turn_sd_per_sqrt_m=level * _NOISE.turn_sd_per_sqrt_m,
-        turn_sd_per_sqrt_rad=level * _NOISE.turn_sd_per_sqrt_rad,
-    )
-    slam = RangeSlam(robot_id, config, Pose2.from_array(course.poses[0]))
-    model, read, places = RadioModel(radio), dict[str, int](), []
-    for step, heard in enumerate(course.heard):
-        if step:
-            mean = Pose2(0.0, 0.0, float(told[step - 1, 1])) @ Pose2(float(told[step - 1, 0]), 0.0, 0.0)
-            slam.predict(GaussianPose(mean, motion_covariance(mean, noise, 0.2, None)))
-        for tag_id, readings in heard:
-            _listen(slam, model, tag_id, readings, step)
-            for each in memories.get(tag_id, ()) if shared else ():
-                if each.writer != robot_id and each.revision > read.get(each.writer, -1):
-                    read[each.writer] = each.revision
-                    slam.read_map(each)
-        places.append((slam.belief.mean.x, slam.belief.mean.y))
-        if step % _WRITE_EVERY == _WRITE_EVERY - 1 and (own := slam.own_map()):
-            for tag_id, _ in heard:
-                memories[tag_id] = merge_maps(memories.get(tag_id, ()), (WriterMap(robot_id, step, own),))
-    return np.array(places)
-
-
-def _listen(slam: RangeSlam, model: RadioModel, tag_id: str, readings: Array, step: int) -> None:
-    mean = robust_mean(readings, NODE.fading_sd_db)
-    if mean is not None:
-        told = model.range_of(mean.rssi_dbm, mean.readings)
-        slam.see(
-            RangeSighting(
-                tag_id, float(step), told.range_m, told.sd_m, log_sd=told.log_sd, median_m=told.median_m
-            )
-        )
 
 
 def _way(centres: Array, steps: Any, length_m: float, random: np.random.Generator) -> Array:

@@ -16,16 +16,9 @@ import numpy as np
 from robots.config import RadioConfig
 from robots.experiments.experiment import Column, Experiment, Options, Row
 from robots.experiments.parallel import in_parallel
-from robots.experiments.radio_course import (
-    Memories,
-    RadioCourse,
-    RadioWorld,
-    calibrated,
-    measured,
-    reckoned,
-    run_slam,
-)
+from robots.experiments.radio_course import RadioCourse, RadioWorld, calibrated, measured, reckoned
 from robots.experiments.sun_plot import draw
+from robots.experiments.sun_slam import Memories, leave_map, run_slam
 from robots.se2 import Array
 from robots.sim.generate import RESOLUTION_M, generate
 from robots.sim.world import world_of
@@ -113,9 +106,11 @@ def trial(item: Trial) -> Array:
     for number, course in enumerate(courses):
         seed = _seed(item.seed, item.index, item.run, number)
         told = measured(course, item.levels[number], np.random.default_rng(seed))
-        name, level = f"r{number + 1}", item.levels[number]
-        single = run_slam(name, course, told, level, radio, seed, {} if number else memories, False)
-        multi = run_slam(name, course, told, level, radio, seed, memories, True) if number else single
+        robot = f"r{number + 1}", course, told, item.levels[number], radio, seed
+        single = run_slam(*robot, {})
+        multi = run_slam(*robot, memories) if number else single
+        if number < len(courses) - 1:
+            leave_map(*robot, memories)
         for kind, places in enumerate((reckoned(course, told), single, multi)):
             off = np.hypot(*(places - course.poses[:, :2]).T)
             found[number, kind] = off.mean(), off.std()

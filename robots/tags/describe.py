@@ -33,6 +33,7 @@ def describe(memory: TagMemory) -> dict[str, Any]:
                 {"tag_id": b.tag_id, **{name: getattr(b, name) for name in _NUMBERS}} for b in each.beliefs
             ],
         }
+        | ({"frame": list(each.frame)} if each.frame else {})
         for each in memory.maps
     ]
     victims = [
@@ -160,7 +161,8 @@ def _order(told: Any) -> tuple[int, int]:
 
 def _map(told: Any) -> WriterMap:
     beliefs = (TagBelief(str(t["tag_id"]), *(float(t[name]) for name in _NUMBERS)) for t in told["tags"])
-    return WriterMap(str(told["robot_id"]), int(told["revision"]), tuple(beliefs))
+    frame = tuple(float(number) for number in told.get("frame", ()))
+    return WriterMap(str(told["robot_id"]), int(told["revision"]), tuple(beliefs), frame)
 
 
 def _number(value: Any, least: int, most: int, name: str = "") -> int:

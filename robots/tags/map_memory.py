@@ -13,7 +13,8 @@ from math import isfinite
 
 MAX_WRITERS, MAX_BELIEFS = 100, 2000
 _LONGEST_NAME = 16  # bytes; beliefs and writers with longer names find no room in a tag
-_WRITER, _BELIEF = struct.Struct(">IH"), struct.Struct(">5f")
+_WRITER, _BELIEF, _FRAME = struct.Struct(">IH"), struct.Struct(">5f"), struct.Struct(">6f")
+_HAS_FRAME = 0x8000  # in the number of beliefs
 _HEAD, _SLOT = 1 + _LONGEST_NAME + _WRITER.size, 1 + _LONGEST_NAME + _BELIEF.size  # bytes at most
 
 
@@ -31,11 +32,16 @@ class TagBelief:
 
 @dataclass(frozen=True, slots=True)
 class WriterMap:
-    """The tags one robot has mapped; a later map of the same robot has a greater ``revision``."""
+    """The tags one robot has mapped; a later map of the same robot has a greater ``revision``.
+
+    ``frame``, where told: the covariance (xx, xy, xt, yy, yt, tt) of how the whole map lies in the frame of
+    the robots' known starts, in m2, m rad and rad2; the beliefs' covariances are then those within the map.
+    """
 
     writer: str
     revision: int
     beliefs: tuple[TagBelief, ...]
+    frame: tuple[float, ...] = ()
 
 
 def merge_maps(first: tuple[WriterMap, ...], second: tuple[WriterMap, ...]) -> tuple[WriterMap, ...]:
@@ -51,8 +57,8 @@ def merge_maps(first: tuple[WriterMap, ...], second: tuple[WriterMap, ...]) -> t
 def fit_maps(maps: tuple[WriterMap, ...], room_bytes: int) -> tuple[WriterMap, ...]:
     """Return as much of the maps as has room: the same number of beliefs of each writer, the first ones.
 
-    Places are counted, not bytes, and the more writers there are, the fewer beliefs each has: so fitting
-    before a merge and after it comes to the same.
+    How maps lie in a common frame finds no room. Places are counted, not bytes, and the more writers there
+    are, the fewer beliefs each has: so fitting before a merge and after it comes to the same.
     """
     fitting = [each for each in maps if len(each.writer.encode()) <= _LONGEST_NAME]
     fitting = fitting[: max(0, room_bytes - 1) // (_HEAD + _SLOT)]
@@ -84,7 +90,12 @@ def pack_maps(maps: tuple[WriterMap, ...]) -> bytes:
         raise ValueError(f"a memory holds maps of {MAX_WRITERS} robots with {MAX_BELIEFS} tags each")
     parts = [bytes([len(maps)])]
     for each in maps:
-        parts += [_packed(each.writer), _WRITER.pack(each.revision, len(each.beliefs))]
+        count = len(each.beliefs) | (_HAS_FRAME if each.frame else 0)
+        parts += [_packed(each.writer), _WRITER.pack(each.revision, count)]
+        if each.frame:
+            if len(each.frame) != 6 or not all(map(isfinite, each.frame)):
+                raise ValueError(f"the frame of the map of {each.writer} is not six finite numbers")
+            parts.append(_FRAME.pack(*each.frame))
         for belief in each.beliefs:
             numbers = _numbers(belief)
             if not all(map(isfinite, numbers)):
@@ -111,6 +122,13 @@ def _unpack(data: bytes) -> tuple[WriterMap, ...]:
         writer, at = _unpacked(data, at)
         revision, count = _WRITER.unpack_from(data, at)
         at += _WRITER.size
+        frame: tuple[float, ...] = ()
+        if count & _HAS_FRAME:
+            count ^= _HAS_FRAME
+            frame = _FRAME.unpack_from(data, at)
+            at += _FRAME.size
+            if not all(map(isfinite, frame)):
+                raise ValueError("the frame of a map in it is not finite")
         if count > MAX_BELIEFS:
             raise ValueError(f"a map in it has {count} tags, more than {MAX_BELIEFS}")
         beliefs = []
@@ -121,7 +139,7 @@ def _unpack(data: bytes) -> tuple[WriterMap, ...]:
             if not all(map(isfinite, numbers)):
                 raise ValueError("a place in it is not finite")
             beliefs.append(TagBelief(tag_id, *numbers))
-        maps.append(WriterMap(writer, revision, tuple(beliefs)))
+        maps.append(WriterMap(writer, revision, tuple(beliefs), frame))
     if at != len(data) or len({each.writer for each in maps}) != len(maps) or len(maps) > MAX_WRITERS:
         raise ValueError("the maps in it are cut off or damaged")
     return merge_maps(tuple(maps), ())
@@ -131,13 +149,13 @@ def _numbers(belief: TagBelief) -> tuple[float, ...]:
     return (belief.x_m, belief.y_m, belief.variance_x, belief.covariance_xy, belief.variance_y)
 
 
-def _age(each: WriterMap) -> tuple[int, list[bytes], list[bytes]]:
+def _age(each: WriterMap) -> tuple[int, list[bytes], list[bytes], tuple[float, ...]]:
     """Return what is greater for a later map.
 
     Two of one revision are told apart alike everywhere, and by what fits first, first.
     """
     short = _with_short_names(each.beliefs)
-    return each.revision, [_bytes(b) for b in short], [_bytes(b) for b in each.beliefs]
+    return each.revision, [_bytes(b) for b in short], [_bytes(b) for b in each.beliefs], each.frame
 
 
 def _bytes(belief: TagBelief) -> bytes:

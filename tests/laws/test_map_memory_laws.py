@@ -12,7 +12,10 @@ from robots.tags.memory import SIDE, TagMemory, TagMemoryError
 names = st.sampled_from(["r1", "r2", "a robot", "é"])
 floats = st.floats(-1e6, 1e6, width=32)
 beliefs = st.builds(TagBelief, names, floats, floats, floats, floats, floats)
-maps = st.builds(WriterMap, names, st.integers(0, 2**32 - 1), st.lists(beliefs, max_size=3).map(tuple))
+frames = st.one_of(st.just(()), st.tuples(*[floats] * 6))
+maps = st.builds(
+    WriterMap, names, st.integers(0, 2**32 - 1), st.lists(beliefs, max_size=3).map(tuple), frames
+)
 sets = st.lists(maps, max_size=4).map(lambda each: merge_maps(tuple(each), ()))
 
 
@@ -63,6 +66,8 @@ def test_a_place_that_is_not_finite_is_neither_written_nor_read():
     bad = (WriterMap("r1", 1, (TagBelief("A", float("nan"), 0.0, 1.0, 0.0, 1.0),)),)
     with pytest.raises(ValueError, match="not finite"):
         pack_maps(bad)
+    with pytest.raises(ValueError, match="six finite numbers"):
+        pack_maps((WriterMap("r1", 1, (), (1.0, float("inf"), 0.0, 1.0, 0.0, 1.0)),))
     good = pack_maps((WriterMap("r1", 1, (TagBelief("A", 0.0, 0.0, 1.0, 0.0, 1.0),)),))
     with pytest.raises(ValueError, match="not finite"):
         unpack_maps(good[:-20] + b"\x7f\xc0\x00\x00" + good[-16:])

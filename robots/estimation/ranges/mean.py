@@ -31,13 +31,17 @@ class RangeMean:
         antenna = (anchor_from_base.mean @ sighting.base_from_antenna).as_array()
         along, across = _spread_of_base(sighting, antenna[2], anchor_from_base.covariance)
         bearing_sd = sighting.bearing_sd_rad or 1.0
-        weight = 1.0 / (1.0 + along / sighting.range_sd_m**2 + across / bearing_sd**2)
+        range_m, range_sd_m = _measured(sighting)
+        weight = 1.0 / (1.0 + along / range_sd_m**2 + across / bearing_sd**2)
         self._weights += weight
         share = weight / self._weights
         turn = wrap(antenna[2] - self.pose[2]) if share < 1.0 else antenna[2]
         self.pose += np.array([*(antenna[:2] - self.pose[:2]), turn]) * share
-        self.range_m += (sighting.range_m - self.range_m) * share
-        self.variance += (sighting.range_sd_m**2 + along - self.variance) * share
+        self.range_m += (range_m - self.range_m) * share
+        if sighting.independent:
+            self.variance = (1.0 - share) ** 2 * self.variance + share**2 * range_sd_m**2 + share * along
+        else:
+            self.variance += (range_sd_m**2 + along - self.variance) * share
         if sighting.bearing_rad is not None:
             self.bearing_variance += (bearing_sd**2 + across - self.bearing_variance) * share
             before = sighting.bearing_rad if self.bearing is None else self.bearing
@@ -53,6 +57,16 @@ class RangeMean:
         bearing = np.nan if self.bearing is None else wrap(self.bearing)
         bearing_sd = np.nan if self.bearing is None else sqrt(self.bearing_variance)
         return (*self.pose.tolist(), self.range_m, sqrt(self.variance), bearing, bearing_sd)
+
+
+def _measured(sighting: RangeSighting) -> tuple[float, float]:
+    """Return range and deviation; of a signal by its median, about which its logarithm is normal.
+
+    The mean of its likelihood would be too long: the batch weighs a range by the one expected.
+    """
+    if sighting.median_m is None or sighting.log_sd is None:
+        return sighting.range_m, sighting.range_sd_m
+    return sighting.median_m, max(sighting.log_sd, 1e-3) * sighting.median_m
 
 
 def _spread_of_base(sighting: RangeSighting, facing_rad: float, covariance: Array) -> tuple[float, float]:

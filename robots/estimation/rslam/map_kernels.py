@@ -25,7 +25,7 @@ def align(
     places: Array,
     spreads: Array,
     start: Array,
-    turn_variance: float,
+    prior: Array,
     noise: Array,
     frames: Array,
     evidence: Array,
@@ -38,7 +38,7 @@ def align(
         places: (k, 2) of them in the other map.
         spreads: (k, 2, 2) their covariances there.
         start: (3,) how the frame lies in the mean of all particles.
-        turn_variance: of the turn between the frames about ``start``, as compasses know it.
+        prior: (3, 3) information on how the frame lies, about ``start``.
         noise: (3, M) standard normal.
         frames: (3, M) is written.
         evidence: (M,) the log-likelihood of the other map, but for a constant, is written.
@@ -47,11 +47,10 @@ def align(
         x, y, turn = start[0], start[1], start[2]
         for last in (False, False, True):
             c, s = cos(turn), sin(turn)
-            a = np.zeros((3, 3))
-            g = np.zeros(3)
-            a[2, 2] = 1.0 / turn_variance
-            g[2] = (start[2] - turn) / turn_variance
-            cost = 0.0
+            a = prior.copy()
+            off = np.array([start[0] - x, start[1] - y, start[2] - turn])
+            g = prior @ off
+            cost = off @ g
             for k in range(len(places)):
                 mx, my = c * places[k, 0] - s * places[k, 1], s * places[k, 0] + c * places[k, 1]
                 sxx, sxy, syy = _turned(spreads[k], c, s)
@@ -84,8 +83,7 @@ def align(
                 root = np.linalg.cholesky(a)  # noise of covariance a^-1 solves root^T z = noise
                 z = np.linalg.solve(root.T, noise[:, p].copy())
                 frames[0, p], frames[1, p], frames[2, p] = x + z[0], y + z[1], turn + z[2]
-                off = turn - start[2]
-                evidence[p] = -0.5 * (cost + off * off / turn_variance)
+                evidence[p] = -0.5 * cost
                 evidence[p] -= log(root[0, 0]) + log(root[1, 1]) + log(root[2, 2])
 
 

@@ -29,9 +29,12 @@ _MOST_NODES = 1000
 
 
 class RangeSlam:
-    """A TagFilter over ranges alone; bearings are not looked at."""
+    """A TagFilter over ranges alone; bearings are not looked at.
 
-    def __init__(self, robot_id: str, config: AgentConfig, start: Pose2) -> None:
+    ``leaves_map``: what it has by itself is kept apart from what others told, to be left in memories.
+    """
+
+    def __init__(self, robot_id: str, config: AgentConfig, start: Pose2, leaves_map: bool = True) -> None:
         own = config.rslam
         self._config = own
         self._particles = Particles(start, own.particles, (config.seed, crc32(robot_id.encode()), 3))
@@ -43,6 +46,7 @@ class RangeSlam:
         self._told: set[str] = set()
         self._has_compass = False
         self._shared = SharedMaps(own)
+        self._leaves_map = leaves_map
         self._alone: RangeSlam | None = None  # the same without what others told, once somebody has
 
     @property
@@ -209,7 +213,7 @@ class RangeSlam:
         weights = self._particles.weights
         if not self._shared.fits_any(self.tags, self._nodes, self._scales, weights, self._has_compass):
             return
-        if self._alone is None:
+        if self._alone is None and self._leaves_map:
             self._alone = deepcopy(self)
             self._alone._shared = SharedMaps(self._config)
         self._shared.take(self._nodes, self._particles, self._scales)

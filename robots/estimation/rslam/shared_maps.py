@@ -24,6 +24,7 @@ from robots.tags.map_memory import TagBelief, WriterMap
 _COMPASS_SD_RAD = 0.05  # between the norths of two robots
 _ANY_TURN = 1e6  # variance
 _MOST_NATS = 10.0  # by which one map may tell particles apart
+_LEAST_FRAME = 1e-6  # m2 and rad2
 _TWICE = 0.5  # a place is taken again once its variance is so much less than it was
 
 
@@ -36,6 +37,7 @@ class _Writer:
     located: tuple[Array, Heard] | None = None  # how it lies by ranges alone
     due: int = 0  # so many ranges have to be gathered before that is tried again
     done: bool = False
+    prior: Array | None = None  # information (3, 3) on how it lies, where all starts are known in one frame
 
 
 class SharedMaps:
@@ -58,8 +60,20 @@ class SharedMaps:
             self._doubts.append(
                 f"the map that {other.writer} left has places that cannot be true; they are left out"
             )
-        self._writers[other.writer] = _Writer(other, places)
+        prior = self._prior(other) if known is None else None  # later maps say the same once more
+        self._writers[other.writer] = _Writer(other, places, prior=prior)
         return True
+
+    def _prior(self, other: WriterMap) -> Array | None:
+        """Return the information on how a map lies, (3, 3); None where nothing is known of that."""
+        if not (self._config.starts_known and len(other.frame) == 6):
+            return None
+        spread = np.zeros((3, 3))
+        spread[np.triu_indices(3)] = other.frame
+        spread = spread + np.triu(spread, 1).T + np.eye(3) * _LEAST_FRAME
+        if not (np.isfinite(spread).all() and np.linalg.eigvalsh(spread)[0] > 0.0):
+            return None
+        return np.asarray(np.linalg.inv(spread), np.float64)
 
     @property
     def waiting(self) -> bool:
@@ -88,6 +102,10 @@ class SharedMaps:
         scale = float(scales[0] @ weights), float(np.sqrt(scales[1] @ weights))
         for name, writer in self._writers.items():
             common = known & frozenset(writer.places.ids)
+            if writer.prior is not None and not writer.done:
+                ids = tuple(tag_id for tag_id in writer.places.ids if tag_id in common)
+                writer.fit = MapFit(np.zeros(3), writer.places, ids)
+                continue
             if not writer.done:
                 self._locate(writer, nodes, scale)
             if writer.done or writer.located is not None or common == writer.tried_with:
@@ -119,7 +137,7 @@ class SharedMaps:
                 self._take_located(name, writer.places, *writer.located, nodes, particles, scales)
                 writer.located, writer.done = None, True
             elif writer.fit is not None:
-                self._take(name, writer.fit, nodes, particles, scales)
+                self._take(name, writer.fit, writer.prior, nodes, particles, scales)
                 writer.fit, writer.done = None, True
 
     def _take_located(
@@ -150,7 +168,13 @@ class SharedMaps:
                 self._taken[writer, tag_id] = spread
 
     def _take(
-        self, writer: str, found: MapFit, nodes: dict[str, Node], particles: Particles, scales: Array
+        self,
+        writer: str,
+        found: MapFit,
+        prior: Array | None,
+        nodes: dict[str, Node],
+        particles: Particles,
+        scales: Array,
     ) -> None:
         if not any(
             self._is_news(writer, *each, nodes)
@@ -160,22 +184,27 @@ class SharedMaps:
         count = particles.count
         agreed = found.other.of(found.agreed)
         blocks = np.array([_likely_block(nodes[tag_id], particles.weights) for tag_id in found.agreed])
+        blocks = blocks.reshape(-1, ROWS, count)
         frames, evidence = np.empty((3, count)), np.empty(count)
-        turn_variance = _ANY_TURN if self._turn_sd_rad is None else self._turn_sd_rad**2
         noise = particles.normal(3, count)
         start = found.frame if self._turn_sd_rad is None else found.frame * [1.0, 1.0, 0.0]
-        align(blocks, scales, agreed.places, agreed.spreads, start, turn_variance, noise, frames, evidence)
-        if not any(each == writer for each, _ in self._taken):  # later maps of it say the same once more
-            particles.weigh(np.maximum(evidence - evidence.max(), -_MOST_NATS))
+        if prior is None:
+            prior = np.diag(
+                [0.0, 0.0, 1.0 / _ANY_TURN if self._turn_sd_rad is None else self._turn_sd_rad**-2]
+            )
+        align(blocks, scales, agreed.places, agreed.spreads, start, prior, noise, frames, evidence)
+        if any(each == writer for each, _ in self._taken):  # later maps of it say the same once more
+            evidence[:] = 0.0
         for tag_id, place, spread in zip(
             found.other.ids, found.other.places, found.other.spreads, strict=True
         ):
             node = nodes.setdefault(tag_id, Node())
             if not node.is_placed:
-                self._begin(node, place, spread, frames, scales)
+                evidence += self._begin(node, place, spread, frames, scales)
                 self._taken[writer, tag_id] = spread
             elif tag_id in found.agreed and self._is_news(writer, tag_id, spread, nodes):
                 self._tell(writer, tag_id, node, place, spread, frames, scales)
+        particles.weigh(np.maximum(evidence - evidence.max(), -_MOST_NATS))
 
     def _is_news(self, writer: str, tag_id: str, spread: Array, nodes: dict[str, Node]) -> bool:
         """Tell whether a place was not taken yet, or not nearly so well known."""
@@ -184,8 +213,12 @@ class SharedMaps:
             return True
         return bool(np.trace(spread) < _TWICE * np.trace(before))
 
-    def _begin(self, node: Node, place: Array, spread: Array, frames: Array, scales: Array) -> None:
-        """Begin a node where the map has it, then take in the ranges that were gathered of it."""
+    def _begin(self, node: Node, place: Array, spread: Array, frames: Array, scales: Array) -> Array:
+        """Begin a node where the map has it, then take in the ranges that were gathered of it.
+
+        Return the log-likelihoods (M,) of those.
+        """
+        fits = np.zeros(frames.shape[1])
         block = np.empty((ROWS, frames.shape[1]))
         begin(block, place, spread, frames, self._config.offset_sd_m**2)
         node.blocks, node.log_shares = [block], np.zeros((1, frames.shape[1]))
@@ -196,6 +229,8 @@ class SharedMaps:
         ):
             works, total = node.see(scales, antennas, range_m, noise, outliers)
             node.correct(scales, works, total)
+            fits += total
+        return fits
 
     def _tell(
         self,
