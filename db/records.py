@@ -9,7 +9,6 @@ from robots.orders import OrderKind, OrderState
 
 AgentPlace = Literal["server", "onboard"]
 SilencePolicy = Literal["hold", "go_on", "return"]
-VictimStatus = Literal["suspected", "confirmed", "reached", "extricated", "dismissed"]
 TagState = Literal["sound", "moved", "cloned", "doubtful"]
 AnnotationKind = Literal["note", "hazard", "searched", "victim"]
 Severity = Literal["info", "warning", "alarm"]
@@ -156,22 +155,6 @@ class EvacuationRecord:
     by: str
     since_unix_s: float
     acknowledged: tuple[tuple[str, float], ...] = ()
-
-
-@dataclass(frozen=True, slots=True)
-class VictimRecord:
-    """A victim: what the team measured, and what people said about it."""
-
-    victim_id: str
-    place: PointRecord
-    confidence: float
-    sightings: int
-    robots: tuple[str, ...]
-    first_seen_s: float
-    last_seen_s: float
-    status: VictimStatus = "suspected"
-    note: str = ""
-    by: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -200,9 +200,8 @@ victims = Table(
     Column("robots", JSON, nullable=False),
     Column("first_seen_s", Float, nullable=False),
     Column("last_seen_s", Float, nullable=False),
-    Column("status", String(20), nullable=False),
-    Column("note", Text, nullable=False),
-    Column("by", String(200), nullable=False),
+    Column("said", JSON, nullable=False),  # db.victim_records.SaidRecord
+    Column("by", String(200), nullable=False),  # who said so last; empty while only robots have
     _of_mission(),
 )
 

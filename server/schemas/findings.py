@@ -1,4 +1,4 @@
-"""Tags, victims, annotations, the map and the graph on the wire."""
+"""Tags, annotations, the map and the graph on the wire."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import Any, Self
 
 from pydantic import ConfigDict, Field, model_validator
 
-from db.records import AnnotationKind, TagState, VictimStatus
+from db.records import AnnotationKind, TagState
 from server.schemas.common import Covariance, Metres, Name, Wire
 from server.schemas.nodes import NodeOut
 
@@ -45,40 +45,6 @@ class TagsOut(Wire):
 
     tags: list[TagOut]
     links: list[tuple[str, str]]
-
-
-class VictimOut(Wire):
-    """A victim: measured by robots, judged by people."""
-
-    victim_id: str
-    x_m: float
-    y_m: float
-    covariance: Covariance
-    confidence: float
-    status: VictimStatus
-    sightings: int
-    robots: list[str]
-    note: str
-    by: str
-    first_seen_s: float
-    last_seen_s: float
-
-
-class VictimsOut(Wire):
-    """All victims."""
-
-    victims: list[VictimOut]
-
-
-class VictimIn(Wire):
-    """What a person says about a victim."""
-
-    model_config = ConfigDict(
-        json_schema_extra={"examples": [{"status": "confirmed", "note": "answers when called"}]}
-    )
-
-    status: VictimStatus
-    note: str | None = Field(None, max_length=2000, description="Replaces the earlier note; null keeps it.")
 
 
 class AnnotationIn(Wire):

@@ -39,7 +39,9 @@ export class Marks {
     const wanted = new Set();
     const { robots, victims } = store.shown;
     for (const robot of robots.values()) wanted.add(this.#robot(robot));
-    if (store.layers.victims) for (const victim of victims.values()) wanted.add(this.#victim(victim));
+    if (store.layers.victims) {
+      for (const victim of victims.values()) if (!victim.merged_into) wanted.add(this.#victim(victim));
+    }
     if (store.layers.sensors) for (const alert of alertByTag(store).values()) wanted.add(this.#alert(alert));
     if (store.layers.notes) {
       for (const [id, annotation] of store.annotations) wanted.add(this.#note(id, annotation));

@@ -79,7 +79,8 @@ export class Store {
     /** @type {Map<number, {text: string, level: "warning" | "alarm"}>} */
     this.notices = new Map();
     this.exploredM2 = 0;
-    /** What the next click on the plan sends a robot to. @type {{robotId: string, kind: "go_to" | "explore_here"} | null} */
+    /** What the next click on the plan is for: whom it is about, and what is done with the place. */
+    /** @type {{id: string, kind: string, then: (place: {x_m: number, y_m: number}) => void} | null} */
     this.picking = null;
     const kept = readPreferences();
     /** @type {Record<string, boolean>} */
