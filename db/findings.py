@@ -77,7 +77,7 @@ class FindingStore:
                 .where(tables.annotations.c.mission_id == mission_id, tables.annotations.c.deleted.is_(False))
                 .order_by(tables.annotations.c.created_unix_s, tables.annotations.c.annotation_id)
             )
-            return [AnnotationRecord(**row._mapping) for row in rows]
+            return [AnnotationRecord.of(dict(row._mapping)) for row in rows]
 
         return await self._database.read(query)
 

@@ -219,6 +219,7 @@ annotations = Table(
     Column("created_unix_s", Float, nullable=False),
     Column("changed_unix_s", Float, nullable=False),
     Column("deleted", Boolean, nullable=False),
+    Column("area_m", JSON, nullable=False, server_default="[]"),
     _of_mission(),
 )
 

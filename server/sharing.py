@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import asdict
 from typing import Any
 
 from db.records import (
@@ -81,7 +82,7 @@ def alert_value(alert: AlertRecord) -> dict[str, Any]:
 
 def annotation_value(annotation: AnnotationRecord) -> dict[str, Any]:
     """Return ``annotation/ID`` of the board."""
-    return {name: getattr(annotation, name) for name in AnnotationRecord.__slots__}
+    return {**asdict(annotation), "area_m": [list(corner) for corner in annotation.area_m]}
 
 
 def event_value(event: EventRecord) -> dict[str, Any]:

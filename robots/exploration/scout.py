@@ -157,8 +157,9 @@ class Scout:
                 suspects=now.suspects,
             )
             drop = self._drop(now)
+            busy = self.decision.activity in ("holding", "returning", "done")
             say = self._communication.say(
-                now.stamp_s, now.pose, self.decision.goal_m, whole, now.scan.range_max_m
+                now.stamp_s, now.pose, self.decision.goal_m, whole, now.scan.range_max_m, busy
             )
         for sighting in now.read:
             self._hear(now, sighting)

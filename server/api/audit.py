@@ -15,9 +15,9 @@ from server.people.audit import AuditedRoute
 from server.schemas.people import AuditEntryOut, AuditOut
 
 
-def plain(value: dict[str, Any]) -> dict[str, Any]:
+def plain(value: dict[str, Any] | None) -> dict[str, Any] | None:
     """Return a value as the database gives it back: tuples are lists there."""
-    found: dict[str, Any] = json.loads(json.dumps(value))
+    found: dict[str, Any] | None = json.loads(json.dumps(value))
     return found
 
 
@@ -70,12 +70,12 @@ async def take_back(
             raise changed
         await mission.victims.put_back(entry.subject, entry.before, by.name)
     elif entry.action in ("put_annotation", "delete_annotation"):
-        if mission.annotations.value(entry.subject) != entry.after:
+        if plain(mission.annotations.value(entry.subject)) != entry.after:
             raise changed
         if entry.before is None:
             await mission.annotations.remove(entry.subject)
         else:
-            await mission.annotations.put(AnnotationRecord(**entry.before))
+            await mission.annotations.put(AnnotationRecord.of(entry.before))
     else:
         message = "Only changes of victims and of annotations can be taken back."
         raise ApiError(409, "cannot_undo", message, "audit_id")

@@ -242,7 +242,16 @@ def test_only_victims_nobody_spoke_of_are_forgotten(story) -> None:
 
 def test_annotations_and_events(story) -> None:
     note = AnnotationRecord(
-        "11111111-1111-4111-8111-111111111111", "hazard", "gas", 1.0, 2.0, None, "Ada", 1.0, 1.0
+        "11111111-1111-4111-8111-111111111111",
+        "hazard",
+        "gas",
+        1.0,
+        2.0,
+        None,
+        "Ada",
+        1.0,
+        1.0,
+        ((0.0, 1.0),) * 3,
     )
 
     async def first(store: Store) -> None:

@@ -238,6 +238,24 @@ def test_a_mission_is_watched_and_stopped(
 
         page.get_by_role("button", name="STOP ALL").click(delay=HELD_MS)
         expect(page.get_by_text("All stopped", exact=True)).to_be_visible(timeout=SOON_MS)
+        # a hazard is written on the plan, at a point and over an area, read, and taken away
+        plan = page.locator("#plan")
+        page.get_by_role("button", name="Note", exact=True).click()
+        page.get_by_label("What it says").fill("smell of gas")
+        page.get_by_role("button", name="At a point…").click()
+        plan.click(position={"x": 470, "y": 560})
+        page.locator(".mark.note", has_text="smell of gas").click()
+        expect(page.get_by_role("region", name="Hazard")).to_contain_text("By operator")
+        page.get_by_role("region", name="Hazard").get_by_role("button", name="Remove").click()
+        expect(page.locator(".mark.note")).to_have_count(0)
+        page.get_by_role("button", name="Note", exact=True).click()
+        page.get_by_role("button", name="✓ Searched").click()
+        page.get_by_role("button", name="Over an area…").click()
+        for x, y in ((420, 500), (520, 500), (520, 600)):
+            plan.click(position={"x": x, "y": y})
+        page.get_by_role("button", name="Close the area").click()
+        expect(page.locator(".mark.note[data-kind=searched]")).to_be_visible(timeout=SOON_MS)
+
         # EVACUATE stands across the page until it is over, and says who has heard it
         page.get_by_role("button", name="EVACUATE").click(delay=HELD_MS)
         expect(page.locator(".evacuation")).to_contain_text("Everybody out, says operator")

@@ -152,10 +152,31 @@ def test_annotations_are_written_once_however_often_they_are_sent(line):
     assert line.get("/annotations")["annotations"] == []
 
 
+def test_an_area_is_drawn_taken_back_and_kept(tmp_path, make_control):
+    line = make_control(tmp_path).open("mine")
+    at = f"/annotations/{uuid4()}"
+    area = [[0.0, 0.0], [4.0, 0.0], [4.0, 3.5]]
+    drawn = line.call("PUT", at, {"kind": "searched", "text": "", "area_m": area}).json()
+    assert drawn["area_m"] == area
+    line.call("DELETE", at)
+    entry = line.get("/audit")["entries"][0]
+    assert line.call("POST", f"/audit/{entry['audit_id']}/undo").status_code == 204
+    line.control.stop()
+    line.control.start()
+    assert line.get("/annotations")["annotations"] == [drawn]
+
+
 @pytest.mark.parametrize(
     "place",
-    [{}, {"x_m": 1.0}, {"tag_id": "A", "x_m": 1.0, "y_m": 1.0}, {"tag_id": "A", "x_m": 1.0}],
-    ids=["none", "half", "both", "tag and half"],
+    [
+        {},
+        {"x_m": 1.0},
+        {"tag_id": "A", "x_m": 1.0, "y_m": 1.0},
+        {"tag_id": "A", "x_m": 1.0},
+        {"tag_id": "A", "area_m": [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]},
+        {"area_m": [[0.0, 0.0], [1.0, 0.0]]},
+    ],
+    ids=["none", "half", "both", "tag and half", "area and tag", "a line is no area"],
 )
 def test_an_annotation_has_one_place(line, place):
     body = {"kind": "note", "text": "x", **place}

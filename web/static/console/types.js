@@ -30,7 +30,7 @@
  * @typedef {{walks: boolean | null, breaths_per_min: number | null, breathes_after_airway: boolean | null,
  *   pulse: boolean | null, obeys: boolean | null}} Start
  * @typedef {{annotation_id?: string, kind: string, text: string, x_m?: number | null, y_m?: number | null,
- *   tag_id?: string | null, by?: string}} Annotation
+ *   tag_id?: string | null, area_m: [number, number][], by: string, changed_unix_s: number}} Annotation
  * @typedef {{version: number, width: number, height: number, resolution_m: number, origin_m: [number, number],
  *   png: string}} MapInfo
  * @typedef {{state: "none" | "solving" | "ready" | "failed", reason: string, asked_unix_s: number | null,
