@@ -57,6 +57,9 @@ def add_scenario_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--slam", metavar="[ROBOT=]KIND,...", help=f"of {', '.join(SLAM_KINDS)}")
     parser.add_argument("--memory", choices=("none", "tags"), default="none", help="maps left in tags")
     parser.add_argument("--explore", choices=tuple(STRATEGIES), default=PlanningConfig().explore)
+    parser.add_argument(
+        "--local-map", type=float, default=0.0, metavar="METRES", help="plan on a square that goes along"
+    )
     parser.add_argument("--coordinate", choices=tuple(COORDINATIONS), default=PlanningConfig().coordinate)
     parser.add_argument("--communication", choices=COMMUNICATIONS, default=PlanningConfig().communication)
     parser.add_argument("--radio-range", type=float, default=usual.team_radio_m, metavar="METRES")
@@ -95,6 +98,7 @@ def scenario_from_arguments(arguments: argparse.Namespace) -> ScenarioConfig:
         agent_config=AgentConfig(
             planning=PlanningConfig(
                 explore=arguments.explore,
+                local_map_m=arguments.local_map,
                 coordinate=arguments.coordinate,
                 communication=arguments.communication,
             ),

@@ -69,6 +69,9 @@ def simulate(
     victims: Annotated[int, typer.Option(metavar="N", help="People to be found.")] = 4,
     start: Annotated[Start, typer.Option(help="All at one place, or spread over the building.")] = Start.SAME,
     explore: ExploreOption = "waymark",
+    local_map: Annotated[
+        float, typer.Option(metavar="METRES", help="Plan on a square that goes along; 0: on the whole map.")
+    ] = 0.0,
     coordinate: CoordinateOption = "none",
     communication: CommunicationOption = Communication.TAGS,
     radio_range: RadioRangeOption = 20.0,
@@ -128,7 +131,7 @@ def simulate(
 
     Step times are those of steps with a laser scan; step_hz counts all steps over the whole run.
     """
-    from robots.config import AgentConfig, PlanningConfig
+    from robots.config import MAX_LOCAL_MAP_M, AgentConfig, PlanningConfig
     from robots.datasets.radio_file import read_radio
     from robots.datasets.recording import RecordingError
     from robots.exploration.coordination import COORDINATIONS
@@ -140,6 +143,8 @@ def simulate(
     from robots.sim.world import WorldError
 
     finite("--minutes", minutes, above=0.0)
+    if not 0.0 <= local_map <= MAX_LOCAL_MAP_M:
+        raise CommandError(f"--local-map {local_map:g} is out of range; give 0 to {MAX_LOCAL_MAP_M:g} metres")
     if explore not in STRATEGIES:
         raise CommandError(f"--explore has to be one of {', '.join(STRATEGIES)}, not {explore!r}")
     if coordinate not in COORDINATIONS:
@@ -185,7 +190,10 @@ def simulate(
             team_radio_m=radio_range,
             agent_config=AgentConfig(
                 planning=PlanningConfig(
-                    explore=explore, coordinate=coordinate, communication=communication.value
+                    explore=explore,
+                    local_map_m=local_map,
+                    coordinate=coordinate,
+                    communication=communication.value,
                 ),
                 map_memory=memory is Memory.TAGS,
             ),
