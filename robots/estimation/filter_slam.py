@@ -18,6 +18,8 @@ from robots.estimation.anchor_log import AnchorLog
 from robots.estimation.drops import Drops
 from robots.estimation.odometry import motion_mean
 from robots.estimation.passage import Passage
+from robots.estimation.radio.cones import ConeWatch, Crossing, HearsCones
+from robots.estimation.radio.model import RadioModel
 from robots.estimation.radio.ranging import Ranging, seen_from_anchor
 from robots.estimation.slip.patches import Grip, Slippage
 from robots.estimation.tag_filter import RangeSighting, TagFilter
@@ -54,6 +56,8 @@ class FilterSlam(TrackedSlam):
         self._log = AnchorLog(stamp_s, None if imu is None else imu.yaw_rad)
         self._ranging = Ranging(config)
         self._drops, self._slippage = Drops(config), Slippage()
+        self._cone_filter = self._filter if isinstance(self._filter, HearsCones) else None
+        self._cones = ConeWatch(RadioModel(config.radio))
         self._taken = GaussianPose.exact()  # the tracker's pose since the anchor that the filter has
         self._anchors: list[Pose2] = [self._start]
         self._unsure_m = 0.0  # of the way driven, made while the wheels slipped
@@ -125,10 +129,14 @@ class FilterSlam(TrackedSlam):
         met = observation.robot_sightings
         self._sees_afar |= bool(afar or met)
         overdue = self._anchor_is_overdue
-        if not (afar or under or met or overdue):
+        crossings = self._crossings(observation.stamp_s, afar)
+        if not (afar or under or met or overdue or crossings):
             return Passage()
         self._follow(observation.imu)
         before = self.pose
+        if self._cone_filter is not None:
+            for crossing in crossings:
+                self._cone_filter.see_crossing(crossing)
         heard = self._hear(afar, observation.stamp_s)
         for sighting in (*afar, *under):
             self._read_memory(sighting)
@@ -185,6 +193,11 @@ class FilterSlam(TrackedSlam):
         known, compass = self._filter.belief.covariance[2, 2], self._config.imu.yaw_sd_rad**2
         if known > compass:
             self._filter.see_heading(imu.yaw_rad, sqrt(known * compass / (known - compass)))
+
+    def _crossings(self, stamp_s: float, afar: list[TagSighting]) -> list[Crossing]:
+        if self._cone_filter is None or self._config.poses != "slam":
+            return []
+        return self._cones.watch(stamp_s, self.local_from_base, afar)
 
     def _hear(self, afar: list[TagSighting], stamp_s: float) -> list[RangeSighting]:
         if self._config.poses != "slam":

@@ -24,7 +24,8 @@ class RangeSighting:
     ``range_m`` as measured, with whatever the radio adds to it. Of a signal strength, ``median_m`` and
     ``log_sd`` tell more: the logarithm of the range is normal about that of the median. ``independent``: the
     range's error has nothing to do with that of the tag's sighting before, as errors of range finders have.
-    ``dropped``: this robot dropped it a moment ago.
+    ``dropped``: this robot dropped it a moment ago. ``in_cone``: all that is known of the bearing is that it
+    lies in the antenna's cone.
     """
 
     tag_id: str
@@ -38,6 +39,7 @@ class RangeSighting:
     log_sd: float | None = None
     independent: bool = False
     dropped: Dropped | None = None
+    in_cone: bool = False
 
 
 class TagFilter(Protocol):

@@ -8,17 +8,15 @@ from typing import get_args
 
 from robots.config import AgentConfig, PlanningConfig
 from robots.estimation.radio.model import ENVIRONMENTS, TagHardware
-from robots.exploration.communication import COMMUNICATIONS
-from robots.exploration.coordination import COORDINATIONS
-from robots.exploration.strategies import STRATEGIES
+from robots.exploration.methods import KNOWN
 from robots.sim.hostile import HostileConfig
+from robots.sim.per_robot import parse_pairs
 from robots.sim.scenario import (
     SLAM_KINDS,
     RadioCut,
     ScenarioConfig,
     ScenarioError,
     SilenceConfig,
-    parse_slam,
 )
 from robots.sim.sensors import LaserConfig
 
@@ -56,12 +54,11 @@ def add_scenario_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--tag-bits", type=int, default=usual.tag_bits)
     parser.add_argument("--slam", metavar="[ROBOT=]KIND,...", help=f"of {', '.join(SLAM_KINDS)}")
     parser.add_argument("--memory", choices=("none", "tags"), default="none", help="maps left in tags")
-    parser.add_argument("--explore", choices=tuple(STRATEGIES), default=PlanningConfig().explore)
     parser.add_argument(
         "--local-map", type=float, default=0.0, metavar="METRES", help="plan on a square that goes along"
     )
-    parser.add_argument("--coordinate", choices=tuple(COORDINATIONS), default=PlanningConfig().coordinate)
-    parser.add_argument("--communication", choices=COMMUNICATIONS, default=PlanningConfig().communication)
+    for name, known in KNOWN.items():
+        parser.add_argument(f"--{name}", metavar="[ROBOT=]NAME,...", help=f"of {', '.join(known)}")
     parser.add_argument("--radio-range", type=float, default=usual.team_radio_m, metavar="METRES")
     for name in HostileConfig.__slots__:
         option = f"--{name.replace('_', '-')}"
@@ -94,15 +91,14 @@ def scenario_from_arguments(arguments: argparse.Namespace) -> ScenarioConfig:
         tags_in_place=arguments.tags_in_place,
         tag_bits=arguments.tag_bits,
         team_radio_m=arguments.radio_range,
-        slam=parse_slam(arguments.slam) if arguments.slam else (),
+        slam=parse_pairs("slam", arguments.slam) if arguments.slam else (),
+        explore=parse_pairs("explore", arguments.explore) if arguments.explore else (),
+        coordinate=parse_pairs("coordinate", arguments.coordinate) if arguments.coordinate else (),
+        communication=parse_pairs("communication", arguments.communication)
+        if arguments.communication
+        else (),
         agent_config=AgentConfig(
-            planning=PlanningConfig(
-                explore=arguments.explore,
-                local_map_m=arguments.local_map,
-                coordinate=arguments.coordinate,
-                communication=arguments.communication,
-            ),
-            map_memory=arguments.memory == "tags",
+            planning=PlanningConfig(local_map_m=arguments.local_map), map_memory=arguments.memory == "tags"
         ),
     )
 

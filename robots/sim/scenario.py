@@ -12,10 +12,13 @@ import numpy as np
 
 from robots.config import AgentConfig, OdometryConfig, RadioConfig
 from robots.estimation.radio.model import ENVIRONMENTS, TagHardware, radio_for
+from robots.exploration.methods import KNOWN
 from robots.overrides import override
 from robots.sim.generate import generate
 from robots.sim.hostile import HostileConfig, make_hostile
 from robots.sim.map_files import load_map
+from robots.sim.per_robot import Pairs, check_pairs, chosen_for
+from robots.sim.per_robot import ScenarioError as ScenarioError
 from robots.sim.sensors import HeatConfig, LaserConfig
 from robots.sim.starts import StartKind
 from robots.sim.tags import link_of
@@ -32,12 +35,7 @@ START_SD_M, START_SD_RAD = 0.05, 0.02  # how well the starts are surveyed
 SLAM_KINDS: tuple[str, ...] = get_args(get_type_hints(AgentConfig)["slam"])
 FLOOR_SLAM = frozenset({"tag-graph", "odometry"})  # their robots have an antenna over the floor
 _LONG_ID = 8  # characters of a tag's id; longer ones take of the memory's room
-OTHERS = "*"  # in place of a robot's name: all that are not named
 TAG_BITS: dict[TagHardware, int] = {"near": 2048, "uhf": 2048, "node": 96_000}
-
-
-class ScenarioError(ValueError):
-    """A scenario cannot be played; the message names the field and what to do."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,8 +70,9 @@ class ScenarioConfig:
 
     ``tags``: the hardware of the tags, those ``tags_in_place`` at the start (N01, N02, ...) and those that
     robots drop. Radio tags are heard in ``environment``, or as ``measured_radio`` says where there is one;
-    robots with SLAM over the floor's tags also read the chip of a tag that they drive over. ``slam``: pairs
-    of a robot's name, or ``OTHERS``, and its kind. ``tag_bits`` None: as much memory as such tags have.
+    robots with SLAM over the floor's tags also read the chip of a tag that they drive over. ``slam``,
+    ``explore``, ``coordinate``, ``communication``: pairs of a robot's name, or ``OTHERS``, and its kind;
+    ``tag_bits`` None: as much memory as such tags have.
     ``team_radio_m``: how far robots that talk by radio hear each other in the open.
     """
 
@@ -104,7 +103,10 @@ class ScenarioConfig:
     tag_bits: int | None = None
     base_tag: bool = True
     team_radio_m: float = 20.0
-    slam: tuple[tuple[str, str], ...] = ()
+    slam: Pairs = ()
+    explore: Pairs = ()
+    coordinate: Pairs = ()
+    communication: Pairs = ()
     agent_config: AgentConfig = field(default_factory=AgentConfig)
 
     def __post_init__(self) -> None:
@@ -137,12 +139,11 @@ class ScenarioConfig:
         _within("silence.after_s", self.silence.after_s, 0.0, 3600.0)
         for name in HostileConfig.__slots__:
             _within(f"hostile.{name}", getattr(self.hostile, name), 0, 1000)
-        for robot_id, kind in self.slam:
-            _known("slam", kind, SLAM_KINDS)
+        for choice, names in (("slam", SLAM_KINDS), *KNOWN.items()):
+            check_pairs(choice, getattr(self, choice), names, self.robot_ids)
+        for _, kind in self.slam:
             if self.tags == "near" and kind not in FLOOR_SLAM:
                 raise ScenarioError(f"slam: {kind} needs tags that are heard by radio; use tags uhf or node")
-            if robot_id not in (OTHERS, *self.robot_ids):
-                raise ScenarioError(f"slam: there is no robot {robot_id}; robots are r1 to r{self.robots}")
         for cut in self.radio_cuts:
             if cut.robot_id not in self.robot_ids:
                 raise ScenarioError(
@@ -200,34 +201,18 @@ class ScenarioConfig:
 
         Its kind of SLAM, the radio it carries, and the data sheet of its wheels unless told otherwise.
         """
-        kinds = dict(self.slam)
-        kind = kinds.get(robot_id, kinds.get(OTHERS, self.agent_config.slam))
+        kind = chosen_for(self.slam, robot_id, self.agent_config.slam)
+        usual = self.agent_config.planning
+        methods = {name: chosen_for(getattr(self, name), robot_id, getattr(usual, name)) for name in KNOWN}
         radio = self.agent_config.radio
         if self.radio is not None and radio == RadioConfig():
             radio = self.radio
-        told = override(self.agent_config, {"slam": kind})
+        told = override(self.agent_config, {"slam": kind, "planning": methods})
         memory = replace(told.tag_memory, room_bytes=self.tag_room_bytes)
         config = replace(told, poses=self.poses, seed=self.seed, radio=radio, tag_memory=memory)
         if self.poses == "truth" or self.noise_level == 0 or config.odometry != OdometryConfig():
             return config
         return replace(config, odometry=data_sheet(self.noise_level, config.body.track_width_m))
-
-
-def parse_slam(text: str) -> tuple[tuple[str, str], ...]:
-    """Return the pairs of ``r1=ekf,r2=rslam,tag-graph``: a kind without a name is for all others.
-
-    Raises:
-        ScenarioError: a robot, or the rest, is named twice, or something is missing.
-    """
-    pairs = []
-    for part in text.split(","):
-        name, equals, kind = part.strip().rpartition("=")
-        if not kind or (equals and not name):
-            raise ScenarioError(f"slam {text!r}: give a kind, or ROBOT=KIND for some, as in r1=ekf,tag-graph")
-        pairs.append((name or OTHERS, kind))
-    if len(dict(pairs)) < len(pairs):
-        raise ScenarioError(f"slam {text!r} names a robot, or the rest of them, twice")
-    return tuple(pairs)
 
 
 def _known(name: str, value: str, known: tuple[str, ...]) -> None:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from robots.planning.plan_grid import FREE, UNKNOWN, PlanGrid
+from robots.exploration.frontiers import edges_of
+from robots.planning.plan_grid import UNKNOWN, PlanGrid
 from robots.se2 import Array
 from robots.tags.memory import (
     CELL_M,
@@ -21,29 +22,28 @@ from robots.tags.memory import (
 )
 from robots.tags.window import no_cells, trimmed
 
-_KNOWN_SHARE = 0.5
+_KNOWN_SHARE = 0.15  # walls fill much of a cell; what is free in it is closed all the same
 
 
-def observed_memory(grid: PlanGrid, tag_x: float, tag_y: float, phase: int = CENTRED) -> TagMemory:
+def observed_memory(
+    grid: PlanGrid, tag_x: float, tag_y: float, phase: int = CENTRED, min_frontier_m: float = 0.0
+) -> TagMemory:
     """Return what a robot's plan grid (map frame, x north) knows round a tag at (x, y).
 
-    ``phase``: the lattice of its cells. A cell counts as soon as half of it is known, and is open while free
-    ground in it borders on the unknown.
+    ``phase``: the lattice of its cells. A cell is open while a frontier of ``min_frontier_m`` or more lies in
+    it, and else closed once some of it is known: there is no way from a closed cell to one nobody has seen.
     """
     if not grid.cells.size:
         return TagMemory.empty()
     known = grid.cells != UNKNOWN
-    edge = np.zeros_like(known)
-    edge[1:-1, 1:-1] = (grid.cells == FREE)[1:-1, 1:-1] & ~(
-        known[:-2, 1:-1] & known[2:, 1:-1] & known[1:-1, :-2] & known[1:-1, 2:]
-    )
+    edge = edges_of(grid, min_frontier_m)
     shift = shift_of(phase)
     x_edges = _edges(tag_x + shift[0], grid.origin[0], grid.cell_m)
     y_edges = _edges(tag_y + shift[1], grid.origin[1], grid.cell_m)
     full = (CELL_M / grid.cell_m) ** 2
     seen = _sums(known, x_edges, y_edges) >= _KNOWN_SHARE * full
     open_ = _sums(edge, x_edges, y_edges) > 0
-    cells = np.where(seen, np.where(open_, OPEN, CLOSED), 0).astype(np.uint8)
+    cells = np.where(open_, OPEN, np.where(seen, CLOSED, 0)).astype(np.uint8)
     return TagMemory(trimmed(cells), phase=phase if cells.any() else CENTRED)
 
 

@@ -13,7 +13,6 @@ from typing import Annotated
 import typer
 
 from server.cli.options import (
-    Communication,
     CommunicationOption,
     CoordinateOption,
     EnvironmentOption,
@@ -43,7 +42,7 @@ def demo(
     memory: MemoryOption = Memory.NONE,
     explore: ExploreOption = "waymark",
     coordinate: CoordinateOption = "none",
-    communication: CommunicationOption = Communication.TAGS,
+    communication: CommunicationOption = "tags",
     fires: Annotated[int, typer.Option(metavar="N", help="Fires; active nodes near them tell.")] = 0,
     host: HostOption = None,
     port: PortOption = None,
@@ -70,7 +69,7 @@ def demo(
             "fires": fires,
             "explore": explore,
             "coordinate": coordinate,
-            "communication": communication.value,
+            "communication": communication,
         }
         | ({"slam": slam} if slam else {})
     )
@@ -97,7 +96,8 @@ def demo(
 def _checked_scenario(values: dict[str, object]) -> list[str]:
     """Return the scenario as arguments for the team's process, having made sure that it can be played."""
     from robots.sim.arguments import add_scenario_arguments, scenario_from_arguments
-    from robots.sim.scenario import ScenarioError, build_world
+    from robots.sim.per_robot import ScenarioError
+    from robots.sim.scenario import build_world
     from robots.sim.world import WorldError
     from server.cli.console import CommandError
 

@@ -70,30 +70,27 @@ TagBitsOption = Annotated[
 ]
 ExploreOption = Annotated[
     str,
-    typer.Option(metavar="NAME", help="How robots choose where to go: nearest, information-gain or waymark."),
+    typer.Option(
+        metavar="[ROBOT=]NAME,...",
+        help="How robots choose where to go: nearest, information-gain, waymark, ...; one without a robot is"
+        " for all others, as in r1=nearest,waymark.",
+    ),
 ]
 CoordinateOption = Annotated[
     str,
     typer.Option(
-        metavar="NAME",
+        metavar="[ROBOT=]NAME,...",
         help="How robots that hear each other share out where to go: none, random, simplified, original,"
         " burgard, exclusion, hungarian, voronoi or node-counting (which counts in tags).",
     ),
 ]
-
-
-class Communication(StrEnum):
-    """How robots hear each other."""
-
-    NONE = "none"
-    TAGS = "tags"
-    FULL = "full"
-    RADIO = "radio"
-
-
 CommunicationOption = Annotated[
-    Communication,
-    typer.Option(help="Not at all, through tags alone, all of them always, or those in radio reach."),
+    str,
+    typer.Option(
+        metavar="[ROBOT=]NAME,...",
+        help="Whom robots hear: none, tags (through their memories alone), full (all of them always) or"
+        " radio (those in reach).",
+    ),
 ]
 RadioRangeOption = Annotated[
     float,

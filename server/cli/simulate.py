@@ -12,7 +12,6 @@ import typer
 from server.cli.console import CommandError, print_json, print_table, progress
 from server.cli.options import (
     TAGS_PANEL,
-    Communication,
     CommunicationOption,
     CoordinateOption,
     EnvironmentOption,
@@ -73,7 +72,7 @@ def simulate(
         float, typer.Option(metavar="METRES", help="Plan on a square that goes along; 0: on the whole map.")
     ] = 0.0,
     coordinate: CoordinateOption = "none",
-    communication: CommunicationOption = Communication.TAGS,
+    communication: CommunicationOption = "tags",
     radio_range: RadioRangeOption = 20.0,
     radio_cut: Annotated[
         list[str] | None, typer.Option(metavar="ROBOT:FROM:TO", help="Silence in seconds; may be repeated.")
@@ -134,21 +133,16 @@ def simulate(
     from robots.config import MAX_LOCAL_MAP_M, AgentConfig, PlanningConfig
     from robots.datasets.radio_file import read_radio
     from robots.datasets.recording import RecordingError
-    from robots.exploration.coordination import COORDINATIONS
-    from robots.exploration.strategies import STRATEGIES
     from robots.sim.arguments import parse_radio_cut
     from robots.sim.hostile import HostileConfig
-    from robots.sim.scenario import ScenarioConfig, ScenarioError, parse_slam
+    from robots.sim.per_robot import ScenarioError, parse_pairs
+    from robots.sim.scenario import ScenarioConfig
     from robots.sim.sensors import LaserConfig
     from robots.sim.world import WorldError
 
     finite("--minutes", minutes, above=0.0)
     if not 0.0 <= local_map <= MAX_LOCAL_MAP_M:
         raise CommandError(f"--local-map {local_map:g} is out of range; give 0 to {MAX_LOCAL_MAP_M:g} metres")
-    if explore not in STRATEGIES:
-        raise CommandError(f"--explore has to be one of {', '.join(STRATEGIES)}, not {explore!r}")
-    if coordinate not in COORDINATIONS:
-        raise CommandError(f"--coordinate has to be one of {', '.join(COORDINATIONS)}, not {coordinate!r}")
     check_writable(out)
     try:
         config = ScenarioConfig(
@@ -185,17 +179,14 @@ def simulate(
             environment=environment,
             measured_radio=None if radio is None else read_radio(radio),
             tags_in_place=tags_in_place,
-            slam=parse_slam(slam) if slam else (),
+            slam=parse_pairs("slam", slam) if slam else (),
+            explore=parse_pairs("explore", explore),
+            coordinate=parse_pairs("coordinate", coordinate),
+            communication=parse_pairs("communication", communication),
             tag_bits=tag_bits,
             team_radio_m=radio_range,
             agent_config=AgentConfig(
-                planning=PlanningConfig(
-                    explore=explore,
-                    local_map_m=local_map,
-                    coordinate=coordinate,
-                    communication=communication.value,
-                ),
-                map_memory=memory is Memory.TAGS,
+                planning=PlanningConfig(local_map_m=local_map), map_memory=memory is Memory.TAGS
             ),
         )
         outcome = play(config)

@@ -17,12 +17,14 @@ from robots.estimation.ekf.maps import join_map, own_map, tag_belief
 from robots.estimation.ekf.state import TagState
 from robots.estimation.ekf.trust import TagTrust, plausible, plausible_belief
 from robots.estimation.ekf.waiting import WaitingRoom, range_of
+from robots.estimation.radio.cones import Crossing, edge_of
 from robots.estimation.tag_filter import RangeSighting
 from robots.se2 import Array, GaussianPose, Pose2
 from robots.tags.map_memory import TagBelief, WriterMap
 
 _BEAM_RAD, _RANGE_SHARE = 0.15, 0.3  # a sighting this narrow tells a place at once
 _SAME_S = 0.01  # sightings of a tag are no nearer in time than this
+_UNKNOWN = 1e12  # variance (m2)
 _EVERY_S = 5.0  # maps are made and joined anew no more often
 
 
@@ -93,6 +95,21 @@ class EkfFilter:
         self._join_when_due()
         return True
 
+    def see_crossing(self, crossing: Crossing) -> None:
+        """Take in that a tag came into the cone of an antenna or left it."""
+        for state in self._states():
+            if crossing.tag_id not in state or self._trust.is_banned(crossing.tag_id):
+                continue
+            first, middle, last = (
+                state.expect(crossing.tag_id, pose.as_array())
+                for pose in (crossing.base_from_first, crossing.base_from_middle, crossing.base_from_last)
+            )
+            told = edge_of(crossing, first, middle, last)
+            if told is not None:
+                seen = np.array([middle.range_m, _UNKNOWN, *told, 0.0])
+                antenna = crossing.base_from_middle.as_array()
+                state.see(crossing.tag_id, antenna, seen, 1.0, self._config.gate_sd**2)
+
     def anchor(self) -> None:
         """Remember the pose here as a vertex of the graph."""
         self._anchors.add(self.belief.mean, self._recent, self._best)
@@ -156,6 +173,8 @@ class EkfFilter:
     def _correct(self, state: TagState, trust: TagTrust, sighting: RangeSighting, thin: float) -> None:
         tag_id = sighting.tag_id
         antenna, seen = _numbers(sighting)
+        if sighting.in_cone:
+            seen[3] = inf  # the same at every sighting from one side: ``see_crossing`` tells the bearing
         if sighting.independent:  # of the range alone: a cone tells the same at every sighting from one side
             seen[3] *= thin
             thin = 1.0

@@ -76,6 +76,18 @@ def expected(mean: Array, tag: int, antenna: Array) -> tuple[float, float, float
 
 
 @njit(cache=True)
+def expected_spread(mean: Array, cov: Array, tag: int, antenna: Array) -> tuple[float, float, float, float]:
+    """Return range and bearing, as ``expected`` does, and their variances."""
+    r, bearing, ex, ey = expected(mean, tag, antenna)
+    xx = cov[1, 1] + cov[tag, tag] - 2.0 * cov[1, tag]
+    yy = cov[2, 2] + cov[tag + 1, tag + 1] - 2.0 * cov[2, tag + 1]
+    xy = cov[1, 2] + cov[tag, tag + 1] - cov[1, tag + 1] - cov[2, tag]
+    along = ex * ex * xx + 2.0 * ex * ey * xy + ey * ey * yy
+    across = ey * ey * xx - 2.0 * ex * ey * xy + ex * ex * yy
+    return r, bearing, along, across / (r * r)
+
+
+@njit(cache=True)
 def see(
     mean: Array,
     cov: Array,

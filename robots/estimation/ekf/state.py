@@ -15,6 +15,7 @@ import numpy as np
 
 from robots.estimation.ekf import kernels
 from robots.estimation.ekf.kernels import HEAD
+from robots.estimation.radio.cones import Expected
 from robots.se2 import Array, GaussianPose, Pose2, wrap
 
 MOST_NEAR = 64  # tags; beyond, those nearest to the robot are kept near
@@ -69,12 +70,13 @@ class TagState:
         moved = np.array([mean.x, mean.y, mean.theta])
         kernels.move(self._mean, self._cov, self._size, moved, step.covariance, bool(self._far))
 
+    def expect(self, tag_id: str, antenna: Array) -> Expected:
+        """Return at which range and bearing a known tag is expected."""
+        return Expected(*kernels.expected_spread(self._mean, self._cov, self._near_index(tag_id), antenna))
+
     def see(self, tag_id: str, antenna: Array, seen: Array, thin: float, gate: float) -> float:
         """Correct by a sighting of a known tag; see ``ekf_kernels.see``. Returns its squared innovation."""
-        tag = self._near.get(tag_id)
-        if tag is None:
-            self._choose_near((tag_id,))
-            tag = self._near[tag_id]
+        tag = self._near_index(tag_id)
         distance, turn = kernels.see(
             self._mean,
             self._cov,
@@ -188,6 +190,11 @@ class TagState:
         # without far tags the kernels have nothing to gather, but read rows of it
         self._kept = np.eye(m) if m else np.zeros((len(self._mean), 0))
         self._told, self._moved, self._turn_rad = np.zeros((m, m)), np.zeros(m), 0.0
+
+    def _near_index(self, tag_id: str) -> int:
+        if tag_id not in self._near:
+            self._choose_near((tag_id,))
+        return self._near[tag_id]
 
     def _choose_near(self, wanted: Iterable[str]) -> None:
         self.set_whole(self.tag_ids, *self.whole(), wanted)

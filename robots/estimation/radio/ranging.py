@@ -64,6 +64,7 @@ class Ranging:
             median_m,
             log_sd,
             independent=sighting.range_m is None,  # the mean of a place of its own
+            in_cone=sighting.antenna is not None and median_m is not None,
         )
 
 

@@ -35,8 +35,8 @@ class Mate:
 class Team:
     """Robots in the order of their names, this one among them, and what n frontiers are worth to each.
 
-    ``me`` is this robot's row. ``poses`` and ``goals_m`` (x, y) or None, of each, in its map frame;
-    ``reach_m`` how far a laser sees. ``planned`` counts the ways that had to be planned.
+    ``me`` is this robot's row; ``goals_m`` (x, y) or None, of each, in its map frame; ``reach_m`` how far a
+    laser sees; ``seed`` of what is left to chance. ``planned`` counts the ways that had to be planned.
     """
 
     def __init__(
@@ -47,6 +47,7 @@ class Team:
         goal_m: tuple[float, float] | None,
         mates: Sequence[Mate] = (),
         reach_m: float = 4.0,
+        seed: int = 0,
     ) -> None:
         everybody = sorted([Mate(robot_id, view.pose, goal_m), *mates], key=lambda mate: mate.robot_id)
         self.ids = tuple(mate.robot_id for mate in everybody)
@@ -55,6 +56,7 @@ class Team:
         self.frontiers_m = goals_of(view)
         self.goals_m = tuple(mate.goal_m for mate in everybody)
         self.reach_m = reach_m
+        self.seed = seed
         self.planned = 0
         self._strategy = strategy
         self._poses: tuple[Pose2, ...] = tuple(mate.pose for mate in everybody)

@@ -9,7 +9,8 @@ from robots.config import AgentConfig, RadioConfig
 from robots.estimation.radio.model import radio_for
 from robots.sim.arguments import add_scenario_arguments, parse_radio_cut, scenario_from_arguments
 from robots.sim.hostile import HostileConfig
-from robots.sim.scenario import RadioCut, ScenarioConfig, ScenarioError, build_world, parse_slam
+from robots.sim.per_robot import parse_pairs
+from robots.sim.scenario import RadioCut, ScenarioConfig, ScenarioError, build_world
 from robots.sim.sensors import LaserConfig
 from robots.sim.world import WorldError
 
@@ -84,7 +85,7 @@ def test_arguments_describe_a_scenario():
 
 
 def test_each_robot_is_told_its_kind_of_slam_and_its_radio():
-    slam = parse_slam("r1=odometry, tag-graph")
+    slam = parse_pairs("slam", "r1=odometry, tag-graph")
     config = ScenarioConfig(robots=3, tags="node", environment="office2", slam=slam)
     assert [config.agent_of(robot_id).slam for robot_id in config.robot_ids] == [
         "odometry",
@@ -97,6 +98,23 @@ def test_each_robot_is_told_its_kind_of_slam_and_its_radio():
     assert replace(config, agent_config=own).agent_of("r2").radio == own.radio
 
 
+def test_each_robot_explores_by_its_own_methods():
+    config = ScenarioConfig(
+        robots=3,
+        explore=parse_pairs("explore", "r1=nearest,*=information-gain"),
+        coordinate=(("r2", "hungarian"),),
+        communication=(("*", "full"),),
+    )
+    plans = [config.agent_of(robot_id).planning for robot_id in config.robot_ids]
+    assert [plan.explore for plan in plans] == ["nearest", "information-gain", "information-gain"]
+    assert [plan.coordinate for plan in plans] == ["none", "hungarian", "none"]
+    assert {plan.communication for plan in plans} == {"full"}
+    with pytest.raises(ScenarioError, match="explore: 'astrology' is unknown; use one of "):
+        replace(config, explore=(("r1", "astrology"),))
+    with pytest.raises(ScenarioError, match="coordinate: there is no robot r9"):
+        replace(config, coordinate=(("r9", "none"),))
+
+
 def test_tags_hold_what_their_kind_holds_unless_told_otherwise():
     assert ScenarioConfig().memory_bits == 2048
     assert ScenarioConfig(tags="node").memory_bits > 2048
@@ -106,4 +124,4 @@ def test_tags_hold_what_their_kind_holds_unless_told_otherwise():
 @pytest.mark.parametrize("text", ["", "r1=", "=odometry", "odometry,tag-graph", "r1=odometry,r1=tag-graph"])
 def test_slam_that_is_none(text):
     with pytest.raises(ScenarioError, match="slam"):
-        parse_slam(text)
+        parse_pairs("slam", text)

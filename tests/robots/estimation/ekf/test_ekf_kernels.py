@@ -103,3 +103,16 @@ def test_a_tag_as_near_as_it_is_uncertain_tells_little():
         shares.append((cov[1, 1] + cov[2, 2]) / before)
     assert shares[0] < 0.1
     assert shares[1] > 0.4
+
+
+@given(st.integers(0, 10_000))
+def test_variances_of_what_is_expected_are_those_of_the_jacobians(seed):
+    mean, tag, antenna = _state(seed), kernels.HEAD + 2, np.array([0.2, -0.1, 0.4])
+    root = 0.1 * np.random.default_rng(seed).standard_normal((len(mean), len(mean)))
+    cov = root @ root.T
+    r, bearing, ex, ey = kernels.expected(mean, tag, antenna)
+    told = np.zeros((2, len(mean)))
+    told[:, 1:3] = [[-ex, -ey], [ey / r, -ex / r]]
+    told[:, tag : tag + 2] = -told[:, 1:3]
+    found = kernels.expected_spread(mean, cov, tag, antenna)
+    np.testing.assert_allclose(found, [r, bearing, *np.diag(told @ cov @ told.T)], rtol=1e-9)
