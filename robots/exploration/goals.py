@@ -136,6 +136,8 @@ class Goals:
         self._planned += self._ways_planned(team, chosen)
         self.reports = _reports(view.frontiers, [float(worth) for worth in team.own], best)
         self._why = self.strategy.reason(view, best)
+        if team.own[best] < team.own.max():
+            self._why += f", {self.coordination.why}"
         return Choice(chosen, self._why)
 
     def _draws_back(self, goal_m: Place) -> bool:

@@ -12,6 +12,8 @@ from robots.exploration.coordination.team import SAME_GOAL_M, Team, near
 class Random:
     """Draws a frontier that nobody else goes to, and draws again once it is gone."""
 
+    why = "by chance"
+
     def __init__(self) -> None:
         self._drawn = 0
 

@@ -138,7 +138,12 @@ class Team:
 
 
 class Coordination(Protocol):
-    """Chooses this robot's frontier in view of the others."""
+    """Chooses this robot's frontier in view of the others.
+
+    ``why``, in words after a comma, it is not the one worth most to this robot.
+    """
+
+    why: str
 
     def choose(self, team: Team) -> int:
         """Return the frontier to go to; there is at least one. Alone it is the one worth most."""
@@ -147,6 +152,8 @@ class Coordination(Protocol):
 
 class Selfish:
     """No coordination: everybody takes what is worth most to it (Amigoni 2013, "no coordination")."""
+
+    why = ""
 
     def choose(self, team: Team) -> int:
         """Return the frontier worth most."""

@@ -7,6 +7,7 @@ from robots.config import AgentConfig, PlanningConfig
 from robots.exploration.claims import Survey
 from robots.exploration.communication import MATE_FOR_S, SAY_EVERY_S, Communication
 from robots.exploration.frontiers import Frontier
+from robots.exploration.goals import Goals
 from robots.exploration.strategies.nearest import Nearest
 from robots.exploration.strategy import ExplorationView
 from robots.exploration.team_message import decode_message
@@ -63,6 +64,22 @@ def test_only_those_that_explore_and_were_heard_lately_share():
     )
     assert team_of(here, 0.0).ids == ("r1", "r2")
     assert team_of(here, MATE_FOR_S + 0.1).ids == ("r1",)
+
+
+def test_it_says_why_it_leaves_the_nearest_edge_to_another():
+    told = PlanningConfig(explore="nearest", communication="full", coordinate="exclusion")
+    here = Communication("r1", AgentConfig(planning=told, start=(0.0, 0.0, 0.0)))
+    here.hear(0.0, True, ())
+    goals = Goals(told, here)
+    near, far = Frontier((0, 0), (2.0, 0.0), 1.0, 2.0), Frontier((0, 0), (0.0, 9.0), 1.0, 9.0)
+    survey = Survey(np.ones((4, 4)), np.zeros((4, 4), np.uint8), (0.0, 0.0))
+    view = ExplorationView(Pose2(), (near, far), survey)
+    assert goals.choose(view).why == "the nearest edge of the unknown, 1.0 m wide"
+    other = robot("r2", 1.0, 0.0, 0.0).say(0.0, Pose2(), (1.0, 0.0), ground(), 4.0)
+    here.hear(0.0, True, (other,))
+    choice = goals.choose(view)
+    assert choice.frontier is far
+    assert choice.why == "an edge of the unknown, 1.0 m wide, away from where others go"
 
 
 def test_it_speaks_once_a_second_at_most_and_only_when_told_to():
