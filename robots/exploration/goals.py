@@ -146,6 +146,8 @@ class Goals:
         self._planned += self._ways_planned(team, chosen)
         self.reports = _reports(view.frontiers, [float(worth) for worth in team.own], best)
         self._why = self.strategy.reason(view, best)
+        if team.own[best] < team.own.max():
+            self._why += f", {self.coordination.why}"
         along_m = driven(view.tags) if isinstance(self.strategy, FollowsTrails) else None
         return Choice(chosen, self._why, along_m)
 

@@ -17,7 +17,7 @@ from robots.exploration.aim import Decision
 from robots.exploration.claims import PlaceOf
 from robots.exploration.communication import Communication
 from robots.exploration.explorer import Explorer
-from robots.exploration.strategy import AnswersTags, DropsEvenly
+from robots.exploration.strategy import AnswersTags
 from robots.exploration.witness import Witness
 from robots.mapping.fused import FusedGrid
 from robots.mapping.local_grid import LocalGrid
@@ -157,8 +157,9 @@ class Scout:
                 suspects=now.suspects,
             )
             drop = self._drop(now)
+            busy = self.decision.activity in ("holding", "returning", "done")
             say = self._communication.say(
-                now.stamp_s, now.pose, self.decision.goal_m, whole, now.scan.range_max_m
+                now.stamp_s, now.pose, self.decision.goal_m, whole, now.scan.range_max_m, busy
             )
         for sighting in now.read:
             self._hear(now, sighting)
@@ -185,8 +186,7 @@ class Scout:
         if self.decision.drop_tag and self._dropper.drop_here(now.distance_m):
             self.explorer.errands.tag_dropped()
             return True
-        strategy = self.explorer.goals.strategy
-        even_m = strategy.tag_every_m if isinstance(strategy, DropsEvenly) else 0.0
+        even_m: float = getattr(self.explorer.goals.strategy, "tag_every_m", 0.0)  # of DropsEvenly
         return self._dropper.should_drop(now.distance_m, now.pose, now.fused, now.tag_places(), even_m)
 
     def _hear(self, now: Situation, sighting: TagSighting) -> None:
