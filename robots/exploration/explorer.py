@@ -147,6 +147,7 @@ class Explorer:
             self._recovery.rest()
             return Decision(0.0, turn, aim.activity, aim.looking, aim.goal_m, drop_tag=tag)
         linear, angular = follow(aim.path, pose, self._grid, scan, self._config.body)
+        self._recovery.blocked(now_s, linear, angular)
         path = aim.path.astype(np.float32)
         return Decision(linear, angular, aim.activity, aim.reason, aim.goal_m, path, tag)
 

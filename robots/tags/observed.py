@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from robots.exploration.frontiers import edges_of
@@ -69,11 +70,14 @@ def _edges(middle: float, origin: float, cell_m: float) -> NDArray[np.int64]:
     return edges
 
 
+@njit(cache=True)
 def _sums(held: NDArray[np.bool_], x: NDArray[np.int64], y: NDArray[np.int64]) -> NDArray[np.int64]:
     """Return the sums of a grid (rows along y) over a window's cells (rows along x)."""
-    total = np.zeros((held.shape[0] + 1, held.shape[1] + 1), np.int64)
-    total[1:, 1:] = held.cumsum(axis=0).cumsum(axis=1)
-    x, y = np.clip(x, 0, held.shape[1]), np.clip(y, 0, held.shape[0])
-    corners = total[np.ix_(y, x)].T
-    sums: NDArray[np.int64] = corners[1:, 1:] - corners[:-1, 1:] - corners[1:, :-1] + corners[:-1, :-1]
+    rows, columns = held.shape
+    sums = np.zeros((len(x) - 1, len(y) - 1), np.int64)
+    for i in range(len(x) - 1):
+        for j in range(len(y) - 1):
+            for r in range(max(0, y[j]), min(rows, y[j + 1])):
+                for c in range(max(0, x[i]), min(columns, x[i + 1])):
+                    sums[i, j] += held[r, c]
     return sums
