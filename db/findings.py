@@ -10,10 +10,9 @@ from sqlalchemy import Connection, and_, delete, insert, select, update
 
 from db import tables
 from db.engine import Database, upsert
-from db.records import AnnotationRecord, EventRecord, VictimRecord
+from db.records import AnnotationRecord, EventRecord
 from db.tags import place_columns, place_of
-
-_SAID_BY_PEOPLE = ("status", "note", "by")
+from db.victim_records import SaidRecord, VictimRecord
 
 
 class FindingStore:
@@ -26,12 +25,12 @@ class FindingStore:
         """Keep what the team measured of victims; what people said about a known one stays."""
         rows = [_victim_row(mission_id, record) for record in records]
         await self._database.write(
-            lambda c: upsert(c, tables.victims, rows, keep=_SAID_BY_PEOPLE), durable=True
+            lambda c: upsert(c, tables.victims, rows, keep=("said", "by")), durable=True
         )
 
-    async def record_status(self, mission_id: str, victim: VictimRecord) -> None:
-        """Keep what a person said about a victim: status, note, by whom."""
-        said = {name: getattr(victim, name) for name in _SAID_BY_PEOPLE}
+    async def record_said(self, mission_id: str, victim: VictimRecord) -> None:
+        """Keep what people said about a victim."""
+        said = {"said": victim.said.value(), "by": victim.said.by}
         chosen = and_(
             tables.victims.c.mission_id == mission_id, tables.victims.c.victim_id == victim.victim_id
         )
@@ -78,7 +77,7 @@ class FindingStore:
                 .where(tables.annotations.c.mission_id == mission_id, tables.annotations.c.deleted.is_(False))
                 .order_by(tables.annotations.c.created_unix_s, tables.annotations.c.annotation_id)
             )
-            return [AnnotationRecord(**row._mapping) for row in rows]
+            return [AnnotationRecord.of(dict(row._mapping)) for row in rows]
 
         return await self._database.read(query)
 
@@ -113,16 +112,18 @@ class FindingStore:
 
 def _victim_row(mission_id: str, record: VictimRecord) -> dict[str, Any]:
     row = {item.name: getattr(record, item.name) for item in fields(record) if item.name != "place"}
-    return {"mission_id": mission_id, **row, **place_columns(record.place), "robots": list(record.robots)}
+    row |= {"robots": list(record.robots), "said": record.said.value(), "by": record.said.by}
+    return {"mission_id": mission_id, **row, **place_columns(record.place)}
 
 
 def _victim(row: Any) -> VictimRecord:
     values = {
         item.name: getattr(row, item.name)
         for item in fields(VictimRecord)
-        if item.name not in ("place", "robots")
+        if item.name not in ("place", "robots", "said")
     }
-    return VictimRecord(place=place_of(row), robots=tuple(row.robots), **values)
+    said = SaidRecord.of(row.said)
+    return VictimRecord(place=place_of(row), robots=tuple(row.robots), said=said, **values)
 
 
 def _events(connection: Connection, query: Any) -> list[EventRecord]:

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 from robots.orders import OrderKind, OrderState
 
 AgentPlace = Literal["server", "onboard"]
 SilencePolicy = Literal["hold", "go_on", "return"]
-VictimStatus = Literal["suspected", "confirmed", "reached", "extricated", "dismissed"]
 TagState = Literal["sound", "moved", "cloned", "doubtful"]
 AnnotationKind = Literal["note", "hazard", "searched", "victim"]
 Severity = Literal["info", "warning", "alarm"]
@@ -159,24 +158,11 @@ class EvacuationRecord:
 
 
 @dataclass(frozen=True, slots=True)
-class VictimRecord:
-    """A victim: what the team measured, and what people said about it."""
-
-    victim_id: str
-    place: PointRecord
-    confidence: float
-    sightings: int
-    robots: tuple[str, ...]
-    first_seen_s: float
-    last_seen_s: float
-    status: VictimStatus = "suspected"
-    note: str = ""
-    by: str = ""
-
-
-@dataclass(frozen=True, slots=True)
 class AnnotationRecord:
-    """Something a person wrote on the map, at a place in the world frame or at a tag."""
+    """Something a person wrote on the map: at a place in the world frame, at a tag, or over an area.
+
+    ``area_m``: the corners of the area in the world frame, empty where it has none.
+    """
 
     annotation_id: str
     kind: AnnotationKind
@@ -187,6 +173,12 @@ class AnnotationRecord:
     by: str
     created_unix_s: float
     changed_unix_s: float
+    area_m: tuple[tuple[float, float], ...] = ()
+
+    @classmethod
+    def of(cls, value: dict[str, Any]) -> AnnotationRecord:
+        """Return it of its plain values, as they are stored and go over the wire."""
+        return cls(**{**value, "area_m": tuple((float(x), float(y)) for x, y in value["area_m"])})
 
 
 @dataclass(frozen=True, slots=True)

@@ -200,9 +200,8 @@ victims = Table(
     Column("robots", JSON, nullable=False),
     Column("first_seen_s", Float, nullable=False),
     Column("last_seen_s", Float, nullable=False),
-    Column("status", String(20), nullable=False),
-    Column("note", Text, nullable=False),
-    Column("by", String(200), nullable=False),
+    Column("said", JSON, nullable=False),  # db.victim_records.SaidRecord
+    Column("by", String(200), nullable=False),  # who said so last; empty while only robots have
     _of_mission(),
 )
 
@@ -220,6 +219,7 @@ annotations = Table(
     Column("created_unix_s", Float, nullable=False),
     Column("changed_unix_s", Float, nullable=False),
     Column("deleted", Boolean, nullable=False),
+    Column("area_m", JSON, nullable=False, server_default="[]"),
     _of_mission(),
 )
 

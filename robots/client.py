@@ -5,6 +5,9 @@
     0.02}) reply = client.post([{"seq": 0, "stamp_s": 0.05, "odometry": {...}}]) drive(reply["command"]) if
     not reply["stop"] else stand_still()
 
+What ``say`` of a command holds goes to the robots in radio reach, as it is; what they said goes, in base64,
+into ``heard`` of the next observation.
+
 Observations may be posted again at any time: the server knows them by their ``seq``. In radio silence call
 ``keep``; the next ``post`` sends everything kept, in order, in as many requests as the server's limits ask
 for.

@@ -20,6 +20,8 @@ from robots.estimation.scans.points import scan_points
 from robots.estimation.tag_filter import RangeSighting
 from robots.estimation.tag_graph.graph import TagGraph, graph_problem
 from robots.estimation.tag_graph.smoothing import smooth_radio
+from robots.exploration.claims import Claims
+from robots.exploration.outlook import ways_beyond
 from robots.exploration.team_ground import TeamGround, tiles_of
 from robots.exploration.team_message import Patch, Tile
 from robots.exploration.three_grids import find_candidates, three_grids
@@ -27,6 +29,7 @@ from robots.mapping.fused import FusedGrid
 from robots.planning.plan_grid import FREE, UNKNOWN, PlanGrid
 from robots.planning.travel import travel_costs
 from robots.se2 import GaussianPose, Pose2
+from robots.tags.memory import CLOSED, TagMemory
 from robots.team import StartPose, TeamMap
 from robots.types import HeatReading, ImuReading, LaserScan, Observation, TagSighting, WheelEncoders
 
@@ -85,6 +88,10 @@ def _warm_up_strategies() -> None:
     cells[0] = UNKNOWN
     grid = PlanGrid(cells, np.full((60, 60), 5, np.uint8), (0.0, 0.0), 0.1)
     find_candidates(grid, travel_costs(grid, 5, 5), three_grids(grid, np.array([[0.5, 0.5, 0.0, 0.0]]), 3.0))
+    claims = Claims()
+    claims.hear("warm", TagMemory(np.full((3, 3), CLOSED, np.uint8)))
+    survey = claims.survey(grid, {"warm": (3.0, 0.0)}.get)
+    ways_beyond(grid, survey, np.array([[1, 30]]), 5.0)
 
 
 def _warm_up_ranges() -> None:

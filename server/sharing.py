@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import asdict
 from typing import Any
 
 from db.records import (
@@ -12,11 +13,13 @@ from db.records import (
     NodeRecord,
     PointRecord,
     TagRecord,
-    VictimRecord,
 )
+from db.victim_records import SaidRecord, VictimRecord
 from robots.se2 import Array
 from robots.team import TeamTag, TeamUpdate, TeamVictim
 from server.map_image import MapImage
+
+_BY_HAND_M = 0.5  # how well a person points at a place on the plan
 
 
 def tag_record(tag: TeamTag) -> TagRecord:
@@ -27,7 +30,6 @@ def tag_record(tag: TeamTag) -> TagRecord:
 
 def victim_record(victim: TeamVictim, known: VictimRecord | None) -> VictimRecord:
     """Return a victim as it is stored; what people said about it stays."""
-    said = {} if known is None else {"status": known.status, "note": known.note, "by": known.by}
     return VictimRecord(
         victim_id=victim.victim_id,
         place=_place(victim.x_m, victim.y_m, victim.covariance),
@@ -36,7 +38,7 @@ def victim_record(victim: TeamVictim, known: VictimRecord | None) -> VictimRecor
         robots=victim.robots,
         first_seen_s=victim.first_seen_s,
         last_seen_s=victim.last_seen_s,
-        **said,  # type: ignore[arg-type]
+        said=SaidRecord() if known is None else known.said,
     )
 
 
@@ -56,15 +58,14 @@ def victim_value(victim: VictimRecord) -> dict[str, Any]:
     """Return ``victim/ID`` of the board."""
     return {
         "victim_id": victim.victim_id,
-        **_place_value(victim.place),
+        **_place_value(victim.place if victim.said.place_m is None else _put(*victim.said.place_m)),
         "confidence": victim.confidence,
-        "status": victim.status,
         "sightings": victim.sightings,
         "robots": list(victim.robots),
-        "note": victim.note,
-        "by": victim.by,
         "first_seen_s": victim.first_seen_s,
         "last_seen_s": victim.last_seen_s,
+        **victim.said.value(),
+        "triage": victim.said.start.triage,
     }
 
 
@@ -81,7 +82,7 @@ def alert_value(alert: AlertRecord) -> dict[str, Any]:
 
 def annotation_value(annotation: AnnotationRecord) -> dict[str, Any]:
     """Return ``annotation/ID`` of the board."""
-    return {name: getattr(annotation, name) for name in AnnotationRecord.__slots__}
+    return {**asdict(annotation), "area_m": [list(corner) for corner in annotation.area_m]}
 
 
 def event_value(event: EventRecord) -> dict[str, Any]:
@@ -103,6 +104,7 @@ def map_value(mission_id: str, image: MapImage, png: str = "map.png") -> dict[st
         "height": image.height,
         "resolution_m": image.resolution_m,
         "origin_m": list(image.origin_m),
+        "explored_m2": round(image.explored_m2, 2),
         "png": f"/api/v1/missions/{mission_id}/{png}?version={image.version}",
     }
 
@@ -119,6 +121,11 @@ def team_values(update: TeamUpdate) -> dict[str, dict[str, Any] | None]:
 def vanished(before: Iterable[str], now: Iterable[str], kind: str) -> dict[str, None]:
     """Return the board's keys of things that are no longer there."""
     return {f"{kind}/{name}": None for name in sorted(set(before) - set(now))}
+
+
+def _put(x_m: float, y_m: float) -> PointRecord:
+    """Return a place that a person has put something at."""
+    return PointRecord(x_m, y_m, _BY_HAND_M**2, 0.0, _BY_HAND_M**2)
 
 
 def _place(x_m: float, y_m: float, covariance: Array) -> PointRecord:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from robots.experiments import (
     amigoni,
+    baselines,
     consistency,
     kleiner_cellar,
     kleiner_exploration,
@@ -13,6 +14,7 @@ from robots.experiments import (
     sun_radio,
     sun_table1,
     sun_table2,
+    tag_capacity,
     ziparo_exploration,
     ziparo_table2,
 )
@@ -24,6 +26,9 @@ _ALL: tuple[Experiment, ...] = (
     kleiner_time.EXPERIMENT,
     kleiner_cellar.EXPERIMENT,
     kleiner_exploration.EXPERIMENT,
+    tag_capacity.EXPERIMENT,
+    tag_capacity.SWEEP,
+    baselines.EXPERIMENT,
     slip.EXPERIMENT,
     sun_radio.EXPERIMENT,
     sun_table1.EXPERIMENT,

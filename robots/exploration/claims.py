@@ -36,6 +36,7 @@ class Claims:
     """The memories read so far, by tag."""
 
     def __init__(self) -> None:
+        self.own: int | None = None  # the key by which tags know this robot: its own goals are no news
         self._memories: dict[str, TagMemory] = {}
         self._read_s: dict[str, float] = {}
 
@@ -58,11 +59,15 @@ class Claims:
         """Return what is unknown, here and to all whose word was read, as the tags lie now."""
         unknown = _unknown_shares(grid.cells, grid.cell_m, LATTICE_M)
         claimed = np.zeros(unknown.shape, np.uint8)
-        for tag_id in sorted(self._memories):
-            place = place_of(tag_id)
-            if place is not None:
-                _draw(claimed, self._memories[tag_id], place, grid.origin)
-        return Survey(unknown, claimed, grid.origin)
+        promised = []
+        for tag in self.tags(place_of):
+            _draw(claimed, tag.memory, tag.place_m, grid.origin)
+            promised += [
+                (tag.place_m[0] + p.goal_m[0], tag.place_m[1] + p.goal_m[1])
+                for p in tag.memory.passes
+                if p.key != self.own and p.goal_m is not None
+            ]
+        return Survey(unknown, claimed, grid.origin, np.array(promised).reshape(-1, 2))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -70,11 +75,13 @@ class Survey:
     """A lattice of ``LATTICE_M``: ``unknown`` (r, c), the share of each cell; ``claimed`` (r, c), its state.
 
     Cell (0, 0) has its lower left corner at ``origin`` (x, y) in the map frame. Beyond it all is unknown.
+    ``promised`` (n, 2): where others went, as they told tags.
     """
 
     unknown: Array
     claimed: NDArray[np.uint8]
     origin: tuple[float, float]
+    promised: Array = field(default_factory=lambda: np.zeros((0, 2)))
     _told: dict[tuple[bytes, float], tuple[Array, Array]] = field(default_factory=dict, repr=False)
 
     def shares(self, points_m: Array, within_m: float) -> tuple[Array, Array]:

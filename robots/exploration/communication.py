@@ -78,10 +78,11 @@ class Communication:
         goal_m: tuple[float, float] | None,
         fused: FusedGrid,
         reach_m: float,
+        busy: bool = False,
     ) -> bytes | None:
         """Return the next message where one is due: pose and goal in the map frame, and ground.
 
-        ``reach_m`` is how far the laser sees.
+        ``reach_m`` is how far the laser sees; ``busy``: others need not leave it anything to explore.
         """
         frame = self._mission_from_map
         if self.kind not in ("full", "radio"):
@@ -99,7 +100,7 @@ class Communication:
             self._gossip.ground.note(self._gossip.robot_id, found)
         goal = None if goal_m is None else frame.transform_point(*goal_m)
         try:
-            return encode_message(self._gossip.say(now_s, now_s, frame @ pose, goal))
+            return encode_message(self._gossip.say(now_s, now_s, frame @ pose, goal, busy))
         except TeamMessageError:  # lost beyond all bounds: there is nothing that others could use
             return None
 
@@ -108,8 +109,9 @@ class Communication:
         self._until_all = 0
 
     def team(self, view: ExplorationView, strategy: Strategy, goal_m: tuple[float, float] | None) -> Team:
-        """Return this robot, on its way to ``goal_m``, with the others heard lately, in its map frame."""
-        return Team(self.robot_id, view, strategy, goal_m, self._mates(view.now_s), self._reach_m)
+        """Return this robot, on its way to ``goal_m``, with the others that explore, in its map frame."""
+        mates, seed = self._mates(view.now_s), self._config.seed
+        return Team(self.robot_id, view, strategy, goal_m, mates, self._reach_m, seed)
 
     def mates_trail(self) -> Array:
         """Return where the others were when they were heard, (m, 4) as in ``Trail``, in the map frame."""
@@ -128,7 +130,7 @@ class Communication:
         mates = []
         for robot_id, heard in self._gossip.heard.items():
             message = heard.message
-            if message.station or now_s - heard.at_s > MATE_FOR_S:
+            if message.station or message.busy or now_s - heard.at_s > MATE_FOR_S:
                 continue
             goal = None if message.goal_m is None else frame.transform_point(*message.goal_m)
             mates.append(Mate(robot_id, frame @ message.pose, goal))

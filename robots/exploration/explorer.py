@@ -78,8 +78,8 @@ class Explorer:
     @property
     def local_map_m(self) -> float:
         """The side of the square round the robot that it plans on; 0 where it plans on the whole map."""
-        strategy = self.goals.strategy
-        own = strategy.local_map_m if isinstance(strategy, PlansLocally) else 0.0
+        # asked at every step, where isinstance of a protocol is slow
+        own: float = getattr(self.goals.strategy, "local_map_m", 0.0)
         return self._config.planning.local_map_m or own
 
     def replan(self) -> None:
@@ -147,6 +147,7 @@ class Explorer:
             self._recovery.rest()
             return Decision(0.0, turn, aim.activity, aim.looking, aim.goal_m, drop_tag=tag)
         linear, angular = follow(aim.path, pose, self._grid, scan, self._config.body)
+        self._recovery.blocked(now_s, linear, angular)
         path = aim.path.astype(np.float32)
         return Decision(linear, angular, aim.activity, aim.reason, aim.goal_m, path, tag)
 

@@ -69,6 +69,14 @@ def find_shut_off(grid: PlanGrid, costs: NDArray[np.int32], min_length_m: float)
     return tuple(shut_off)
 
 
+def edges_of(grid: PlanGrid, min_length_m: float) -> NDArray[np.bool_]:
+    """Return the cells of all frontiers of at least this length, reachable or not, (h, w)."""
+    labels, count = _label(grid.cells)
+    sizes = np.bincount(labels[labels >= 0], minlength=count)
+    found: NDArray[np.bool_] = np.append(sizes * grid.cell_m >= min_length_m, False)[labels]
+    return found
+
+
 _APPROACH = 5
 
 

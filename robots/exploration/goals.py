@@ -23,8 +23,12 @@ MAX_REPORTED = 48
 _ARRIVED_M = 0.4
 _ASIDE_M = 0.7
 _ASIDE_S = (20.0, 60.0)  # a goal that came to nothing is tried again after so long, and then again
+_TIMES_CHOSEN = 3
 _TRIES = 1 + len(_ASIDE_S)
 _FORGOTTEN_S = 600.0  # and once more after so long: what stood in the way may have gone
+
+
+Place = tuple[float, float]
 
 
 @dataclass(slots=True)
@@ -63,6 +67,7 @@ class Goals:
         self._communication = communication
         self.goal_m: tuple[float, float] | None = None
         self.reports: tuple[FrontierReport, ...] = ()
+        self._chosen: list[Place] = []  # when the goal was another before
         self.view: ExplorationView | None = None  # at the last choice, where the strategy answers tags by it
         self._why = ""
         self._planned = 0
@@ -124,10 +129,26 @@ class Goals:
         goal_m = None if isinstance(self.strategy, KeepsGoals) else self.goal_m
         team = self._communication.team(view, self.strategy, goal_m)
         best = self.coordination.choose(team)
-        self._planned += self._ways_planned(team, view.frontiers[best])
+        chosen = view.frontiers[best]
+        if self._draws_back(chosen.goal_m):
+            self.put_aside(chosen.goal_m, view.now_s)
+            return self.choose(replace(view, frontiers=self.worth_going(view.frontiers, view.now_s)))
+        self._planned += self._ways_planned(team, chosen)
         self.reports = _reports(view.frontiers, [float(worth) for worth in team.own], best)
         self._why = self.strategy.reason(view, best)
-        return Choice(view.frontiers[best], self._why)
+        if team.own[best] < team.own.max():
+            self._why += f", {self.coordination.why}"
+        return Choice(chosen, self._why)
+
+    def _draws_back(self, goal_m: Place) -> bool:
+        """Say whether a goal was taken in place of another too often: an edge that comes and goes."""
+        if self.goal_m is None or _apart(goal_m, self.goal_m) < SAME_GOAL_M:
+            return False
+        self._chosen.append(goal_m)
+        if sum(_apart(goal_m, place) < _ASIDE_M for place in self._chosen) <= _TIMES_CHOSEN:
+            return False
+        self._chosen = [place for place in self._chosen if _apart(place, goal_m) >= _ASIDE_M]
+        return True
 
     def take_planned(self) -> int:
         """Return how many ways were planned to choose goals since this was last asked (Amigoni 2013, 3.3)."""
@@ -165,6 +186,10 @@ class Goals:
     def _aside_at(self, goal_m: tuple[float, float]) -> _Aside | None:
         near = [a for a in self._aside if hypot(goal_m[0] - a.x, goal_m[1] - a.y) < _ASIDE_M]
         return max(near, key=lambda aside: aside.until_s, default=None)
+
+
+def _apart(a: Place, b: Place) -> float:
+    return hypot(a[0] - b[0], a[1] - b[1])
 
 
 def _reports(frontiers: Sequence[Frontier], worths: list[float], chosen: int) -> tuple[FrontierReport, ...]:

@@ -52,12 +52,17 @@ class Gossip:
             self.heard[message.robot_id] = Heard(now_s, message)
         for patch in message.patches:
             known = patch.origin in self.ground.known or len(self.ground.known) < MAX_ROBOTS
-            if patch.origin != self.robot_id and known:
-                self.ground.take(patch)
+            if patch.origin != self.robot_id and known and not self.ground.take(patch):
+                return "there is no room for all the ground that the team tells of; the newest is left out"
         return None
 
     def say(
-        self, now_s: float, stamp_s: float, pose: Pose2, goal_m: tuple[float, float] | None
+        self,
+        now_s: float,
+        stamp_s: float,
+        pose: Pose2,
+        goal_m: tuple[float, float] | None,
+        busy: bool = False,
     ) -> TeamMessage:
         """Return the next message: pose, goal (x, y), both in the mission frame, what those in reach lack."""
         self._number += 1
@@ -73,6 +78,7 @@ class Gossip:
             tuple(sorted(known.items())),
             self._patches(now_s),
             self._station,
+            busy,
         )
 
     def _patches(self, now_s: float) -> tuple[Patch, ...]:

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import hypot
+from math import floor, hypot
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from robots.planning.plan_grid import PlanGrid
 from robots.planning.travel import UNREACHED, find_path, travel_costs
 from robots.se2 import Array, Pose2
 
+_FARTHEST_M = 1e6
 _PER_CELL = 5.0  # cost of a cell in the open
 
 
@@ -37,13 +39,9 @@ class Ground:
 
         Of those equally near the one that is cheapest to reach.
         """
-        cells = np.argwhere(self.costs != UNREACHED)
-        if len(cells) == 0:
-            return None
-        gaps = self.grid.centres_of(cells) - np.array([x, y])
-        far: Array = np.round(np.hypot(gaps[:, 0], gaps[:, 1]), 3)
-        at = int(np.lexsort((self.costs[cells[:, 0], cells[:, 1]], far))[0])
-        return None if far[at] > within_m else (int(cells[at, 0]), int(cells[at, 1]))
+        grid = self.grid
+        row, column = _nearest(self.costs, grid.origin, grid.cell_m, x, y, min(within_m, _FARTHEST_M))
+        return None if row < 0 else (row, column)
 
     def path_to(self, cell: tuple[int, int]) -> Array | None:
         """Return the way to a cell, (n, 2) points in the map frame; None where there is none."""
@@ -54,3 +52,22 @@ class Ground:
     def distance_m(self, x: float, y: float) -> float:
         """Return how far (m) a point of the map frame is as the crow flies."""
         return hypot(x - self.pose.x, y - self.pose.y)
+
+
+@njit(cache=True)
+def _nearest(
+    costs: NDArray[np.int32], origin: tuple[float, float], cell_m: float, x: float, y: float, within: float
+) -> tuple[int, int]:
+    rows, columns = costs.shape
+    best, best_cost, best_row, best_column = within, UNREACHED, -1, -1
+    low, left = floor((y - within - origin[1]) / cell_m) - 1, floor((x - within - origin[0]) / cell_m) - 1
+    high, right = floor((y + within - origin[1]) / cell_m) + 2, floor((x + within - origin[0]) / cell_m) + 2
+    for r in range(max(0, low), min(rows, high)):
+        for c in range(max(0, left), min(columns, right)):
+            if costs[r, c] == UNREACHED:
+                continue
+            away = hypot(origin[0] + (c + 0.5) * cell_m - x, origin[1] + (r + 0.5) * cell_m - y)
+            far = np.rint(1000.0 * away) / 1000.0
+            if far < best or (far == best and costs[r, c] < best_cost):
+                best, best_cost, best_row, best_column = far, costs[r, c], r, c
+    return best_row, best_column

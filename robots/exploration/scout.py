@@ -17,7 +17,7 @@ from robots.exploration.aim import Decision
 from robots.exploration.claims import PlaceOf
 from robots.exploration.communication import Communication
 from robots.exploration.explorer import Explorer
-from robots.exploration.strategy import AnswersTags, PlansLocally
+from robots.exploration.strategy import AnswersTags
 from robots.exploration.witness import Witness
 from robots.mapping.fused import FusedGrid
 from robots.mapping.local_grid import LocalGrid
@@ -25,6 +25,7 @@ from robots.orders import RobotOrder
 from robots.se2 import Pose2
 from robots.tags.deployment import TagDropper
 from robots.tags.map_memory import MAX_BELIEFS, TagBelief, WriterMap
+from robots.tags.marks import key_of
 from robots.tags.memory import TagMemory, TagMemoryError
 from robots.tags.sealed import close_memory, open_memory
 from robots.types import FrontierReport, LaserScan, Suspect, TagSighting, TagWrite
@@ -94,8 +95,9 @@ class Scout:
         own = crc32(robot_id.encode())  # robots told the same seed must not draw alike
         self._communication = Communication(robot_id, config)
         self.explorer = Explorer(config, (config.seed, own, 1), self._communication)
+        self.explorer.claims.own = key_of(robot_id)
         self._dropper = TagDropper(config.deployment, config.mapping, (config.seed, own, 2))
-        self._witness = Witness(robot_id)
+        self._witness = Witness(robot_id, config.planning.min_frontier_m)
         self._local: LocalGrid | None = None
         self.decision = Decision(0.0, 0.0, "starting", "waiting for the first scan")
         self.frontiers: tuple[FrontierReport, ...] = ()
@@ -155,8 +157,9 @@ class Scout:
                 suspects=now.suspects,
             )
             drop = self._drop(now)
+            busy = self.decision.activity in ("holding", "returning", "done")
             say = self._communication.say(
-                now.stamp_s, now.pose, self.decision.goal_m, whole, now.scan.range_max_m
+                now.stamp_s, now.pose, self.decision.goal_m, whole, now.scan.range_max_m, busy
             )
         for sighting in now.read:
             self._hear(now, sighting)
@@ -183,8 +186,7 @@ class Scout:
         if self.decision.drop_tag and self._dropper.drop_here(now.distance_m):
             self.explorer.errands.tag_dropped()
             return True
-        strategy = self.explorer.goals.strategy
-        even_m = strategy.tag_every_m if isinstance(strategy, PlansLocally) else 0.0
+        even_m: float = getattr(self.explorer.goals.strategy, "tag_every_m", 0.0)  # of DropsEvenly
         return self._dropper.should_drop(now.distance_m, now.pose, now.fused, now.tag_places(), even_m)
 
     def _hear(self, now: Situation, sighting: TagSighting) -> None:

@@ -21,6 +21,7 @@ from robots.se2 import Array, Pose2
 Key = tuple[int, int]  # row and column of a tile
 UNKNOWN, FREE, OCCUPIED = 0, 1, 2
 MOST_TILES = 4096  # of one robot: 4 hectares
+MOST_IN_ALL = 16_384  # of all the others
 _FAR_TILES = 32  # from a robot's start: ground farther away is passed on, not planned over
 _SHIFTS = np.array([0, 2, 4, 6], np.uint8)
 _OF_STATE = np.array([0, 1, 256, 0], np.int16)  # votes for free in the low byte, for occupied in the high
@@ -32,20 +33,29 @@ class TeamGround:
     def __init__(self) -> None:
         self.known: dict[str, int] = {}
         self._tiles: dict[str, dict[Key, Tile]] = {}
+        self._heard = 0  # tiles of others
         self._slots: dict[Key, int] = {}
         self._votes: NDArray[np.int16] = np.zeros((16, TILE_CELLS, TILE_CELLS), np.int16)
 
-    def take(self, patch: Patch) -> None:
-        """Take in what was heard of a robot's ground; what is known already changes nothing."""
+    def take(self, patch: Patch) -> bool:
+        """Take in what was heard of a robot's ground; what is known already changes nothing.
+
+        Say whether there was room for all of it.
+        """
         tiles = self._tiles.setdefault(patch.origin, {})
+        left_out = 0
         for tile in patch.tiles:
             key = (tile.row, tile.column)
             old = tiles.get(key)
-            if (old is None and len(tiles) < MOST_TILES) or (old is not None and tile.version > old.version):
+            if old is None and (len(tiles) >= MOST_TILES or self._heard >= MOST_IN_ALL):
+                left_out += 1
+            elif old is None or tile.version > old.version:
                 self._vote(key, tile.cells, b"" if old is None else old.cells)
+                self._heard += old is None
                 tiles[key] = tile
         if self.known.get(patch.origin, 0) >= patch.since:
             self.known[patch.origin] = max(self.known.get(patch.origin, 0), patch.until)
+        return left_out == 0
 
     def note(self, robot_id: str, found: dict[Key, bytes]) -> None:
         """Note the ground of this robot itself as it is now: every tile that changed gets a new version."""

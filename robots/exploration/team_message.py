@@ -34,7 +34,7 @@ _GOAL = struct.Struct("<dd")
 _KNOWN = struct.Struct("<I")
 _PATCH = struct.Struct("<BIIB")  # whose, since, until, tiles
 _TILE = struct.Struct("<hhI")  # row, column, version
-_STATION, _HAS_GOAL = 1, 2
+_STATION, _HAS_GOAL, _BUSY = 1, 2, 4
 
 
 class TeamMessageError(ValueError):
@@ -71,7 +71,8 @@ class TeamMessage:
     """One message of a robot, or of a ``station`` that stands and relays.
 
     ``pose`` and ``goal_m`` (x, y) in the mission frame; ``stamp_s`` on the sender's clock; ``number`` rises
-    with every message. ``known``: pairs of a robot and the version up to which the sender has its ground.
+    with every message. ``busy``: it is not free to explore, as it was told something else or has to go back.
+    ``known``: pairs of a robot and the version up to which the sender has its ground.
     """
 
     robot_id: str
@@ -82,6 +83,7 @@ class TeamMessage:
     known: tuple[tuple[str, int], ...] = ()
     patches: tuple[Patch, ...] = ()
     station: bool = False
+    busy: bool = False
 
 
 def encode_message(message: TeamMessage) -> bytes:
@@ -91,7 +93,7 @@ def encode_message(message: TeamMessage) -> bytes:
         TeamMessageError: it holds more than a message may hold, or a number that is none.
     """
     _check(message)
-    flags = _STATION * message.station | _HAS_GOAL * (message.goal_m is not None)
+    flags = _STATION * message.station | _HAS_GOAL * (message.goal_m is not None) | _BUSY * message.busy
     pose = message.pose
     names = {name: place for place, (name, _) in enumerate(message.known)}
     parts = [
@@ -154,7 +156,17 @@ class _Reader:
         if not all(map(isfinite, (x, y, theta))):
             raise TeamMessageError("its pose is not finite")
         pose = Pose2(x, y, theta)
-        return TeamMessage(robot_id, number, stamp_s, pose, goal, known, patches, bool(flags & _STATION))
+        return TeamMessage(
+            robot_id,
+            number,
+            stamp_s,
+            pose,
+            goal,
+            known,
+            patches,
+            bool(flags & _STATION),
+            bool(flags & _BUSY),
+        )
 
     def _patch(self, known: tuple[tuple[str, int], ...]) -> Patch:
         place, since, until, count = self._unpack(_PATCH)

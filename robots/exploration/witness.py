@@ -23,8 +23,9 @@ Place = tuple[float, float]
 class Witness:
     """Of one robot, in its map frame."""
 
-    def __init__(self, robot_id: str) -> None:
+    def __init__(self, robot_id: str, min_frontier_m: float) -> None:
         self._robot_id = robot_id
+        self._min_frontier_m = min_frontier_m
         self._corner: Place | None = None  # of a cell of the lattice that this robot found, or began
         self._passes: dict[str, tuple[int, int, float, Place]] = {}  # count, serial, last read, goal
 
@@ -57,7 +58,7 @@ class Witness:
             phase = phase_of(*place, self._corner)
         count, serial, goal = self._pass(tag_id, goal_m or place, now_s)
         return replace(
-            observed_memory(grid, *place, phase),
+            observed_memory(grid, *place, phase, self._min_frontier_m),
             passes=(goal_mark(self._robot_id, count, serial, goal[0] - place[0], goal[1] - place[1]),),
             visited=visited_window(trail_m, *place),
         )

@@ -5,10 +5,11 @@ Slowed by what the laser sees ahead.
 
 from __future__ import annotations
 
-from math import atan2, cos, hypot, isfinite, sin
+from math import atan2, cos, floor, hypot, isfinite, sin
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from robots.config import BodyConfig
 from robots.planning.plan_grid import PlanGrid
@@ -48,21 +49,43 @@ def _target(path: Array, pose: Pose2, grid: PlanGrid) -> tuple[float, float]:
 
     Clear is what can be driven in a straight line.
     """
-    distances = np.hypot(path[:, 0] - pose.x, path[:, 1] - pose.y)
-    at = int(distances.argmin())
-    best = min(at + 1, len(path) - 1)
-    while at < len(path) - 1 and distances[at] < _LOOK_AHEAD_M:
-        at += 1
-        if _clear_line(grid, pose.x, pose.y, float(path[at, 0]), float(path[at, 1])):
-            best = at
+    best = _farthest_clear(path, pose.x, pose.y, grid.steps, grid.origin, grid.cell_m)
     return float(path[best, 0]), float(path[best, 1])
 
 
-def _clear_line(grid: PlanGrid, x0: float, y0: float, x1: float, y1: float) -> bool:
-    steps = max(1, int(hypot(x1 - x0, y1 - y0) / (grid.cell_m / 2.0)))
-    for k in range(2, steps + 1):  # the robot's own cell may be too close to something
-        row, column = grid.cell_of(x0 + (x1 - x0) * k / steps, y0 + (y1 - y0) * k / steps)
-        if not grid.holds(row, column) or grid.steps[row, column] == 0:
+@njit(cache=True)
+def _farthest_clear(
+    path: Array, x: float, y: float, steps: NDArray[np.uint8], origin: tuple[float, float], cell_m: float
+) -> int:
+    at = 0
+    for k in range(1, len(path)):
+        if hypot(path[k, 0] - x, path[k, 1] - y) < hypot(path[at, 0] - x, path[at, 1] - y):
+            at = k
+    best = min(at + 1, len(path) - 1)
+    while at < len(path) - 1 and hypot(path[at, 0] - x, path[at, 1] - y) < _LOOK_AHEAD_M:
+        at += 1
+        if _clear_line(steps, origin, cell_m, x, y, path[at, 0], path[at, 1]):
+            best = at
+    return best
+
+
+@njit(cache=True)
+def _clear_line(
+    steps: NDArray[np.uint8],
+    origin: tuple[float, float],
+    cell_m: float,
+    x0: float,
+    y0: float,
+    x1: float,
+    y1: float,
+) -> bool:
+    count = max(1, int(hypot(x1 - x0, y1 - y0) / (cell_m / 2.0)))
+    for k in range(2, count + 1):  # the robot's own cell may be too close to something
+        row = floor((y0 + (y1 - y0) * k / count - origin[1]) / cell_m)
+        column = floor((x0 + (x1 - x0) * k / count - origin[0]) / cell_m)
+        if row < 0 or column < 0 or row >= steps.shape[0] or column >= steps.shape[1]:
+            return False
+        if steps[row, column] == 0:
             return False
     return True
 

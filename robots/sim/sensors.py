@@ -70,7 +70,9 @@ class Laser:
             disc_radius_m=radius_m,
             seen=seen,
         )
-        noisy = np.round(np.maximum(ranges + config.sd_m * self._rng.standard_normal(ranges.size), 0.001), 3)
+        if config.sd_m > 0.0:
+            ranges = ranges + config.sd_m * self._rng.standard_normal(ranges.size)
+        noisy = np.round(np.maximum(ranges, 0.001), 3)
         measured: FloatArray32 = np.where(noisy >= config.range_max_m, self._far, noisy).astype(np.float32)
         return LaserScan(measured, float(self._angles[0]), self._increment_rad, config.range_max_m)
 

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
-from robots.planning.plan_grid import FREE, UNKNOWN, PlanGrid
+from robots.exploration.frontiers import edges_of
+from robots.planning.plan_grid import UNKNOWN, PlanGrid
 from robots.se2 import Array
 from robots.tags.memory import (
     CELL_M,
@@ -21,29 +23,28 @@ from robots.tags.memory import (
 )
 from robots.tags.window import no_cells, trimmed
 
-_KNOWN_SHARE = 0.5
+_KNOWN_SHARE = 0.15  # walls fill much of a cell; what is free in it is closed all the same
 
 
-def observed_memory(grid: PlanGrid, tag_x: float, tag_y: float, phase: int = CENTRED) -> TagMemory:
+def observed_memory(
+    grid: PlanGrid, tag_x: float, tag_y: float, phase: int = CENTRED, min_frontier_m: float = 0.0
+) -> TagMemory:
     """Return what a robot's plan grid (map frame, x north) knows round a tag at (x, y).
 
-    ``phase``: the lattice of its cells. A cell counts as soon as half of it is known, and is open while free
-    ground in it borders on the unknown.
+    ``phase``: the lattice of its cells. A cell is open while a frontier of ``min_frontier_m`` or more lies in
+    it, and else closed once some of it is known: there is no way from a closed cell to one nobody has seen.
     """
     if not grid.cells.size:
         return TagMemory.empty()
     known = grid.cells != UNKNOWN
-    edge = np.zeros_like(known)
-    edge[1:-1, 1:-1] = (grid.cells == FREE)[1:-1, 1:-1] & ~(
-        known[:-2, 1:-1] & known[2:, 1:-1] & known[1:-1, :-2] & known[1:-1, 2:]
-    )
+    edge = edges_of(grid, min_frontier_m)
     shift = shift_of(phase)
     x_edges = _edges(tag_x + shift[0], grid.origin[0], grid.cell_m)
     y_edges = _edges(tag_y + shift[1], grid.origin[1], grid.cell_m)
     full = (CELL_M / grid.cell_m) ** 2
     seen = _sums(known, x_edges, y_edges) >= _KNOWN_SHARE * full
     open_ = _sums(edge, x_edges, y_edges) > 0
-    cells = np.where(seen, np.where(open_, OPEN, CLOSED), 0).astype(np.uint8)
+    cells = np.where(open_, OPEN, np.where(seen, CLOSED, 0)).astype(np.uint8)
     return TagMemory(trimmed(cells), phase=phase if cells.any() else CENTRED)
 
 
@@ -69,11 +70,14 @@ def _edges(middle: float, origin: float, cell_m: float) -> NDArray[np.int64]:
     return edges
 
 
+@njit(cache=True)
 def _sums(held: NDArray[np.bool_], x: NDArray[np.int64], y: NDArray[np.int64]) -> NDArray[np.int64]:
     """Return the sums of a grid (rows along y) over a window's cells (rows along x)."""
-    total = np.zeros((held.shape[0] + 1, held.shape[1] + 1), np.int64)
-    total[1:, 1:] = held.cumsum(axis=0).cumsum(axis=1)
-    x, y = np.clip(x, 0, held.shape[1]), np.clip(y, 0, held.shape[0])
-    corners = total[np.ix_(y, x)].T
-    sums: NDArray[np.int64] = corners[1:, 1:] - corners[:-1, 1:] - corners[1:, :-1] + corners[:-1, :-1]
+    rows, columns = held.shape
+    sums = np.zeros((len(x) - 1, len(y) - 1), np.int64)
+    for i in range(len(x) - 1):
+        for j in range(len(y) - 1):
+            for r in range(max(0, y[j]), min(rows, y[j + 1])):
+                for c in range(max(0, x[i]), min(columns, x[i + 1])):
+                    sums[i, j] += held[r, c]
     return sums

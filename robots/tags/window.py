@@ -11,6 +11,7 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 Cells = NDArray[np.uint8]
@@ -30,15 +31,21 @@ def no_cells() -> Cells:
 def resized(cells: Cells, side: int) -> Cells:
     """Return a window with rings of 0 put round it, or rings taken off."""
     more = (side - len(cells)) // 2
-    return np.pad(cells, more) if more >= 0 else cells[-more:more, -more:more]
+    if more < 0:
+        return cells[-more:more, -more:more]
+    wider = np.zeros((side, side), np.uint8)
+    wider[more : side - more, more : side - more] = cells
+    return wider
 
 
 def trimmed(cells: Cells) -> Cells:
     """Return the window without outer rings that hold nothing."""
     middle = len(cells) // 2
-    rows, columns = np.nonzero(cells)
-    reach = max(np.abs(rows - middle).max(initial=0), np.abs(columns - middle).max(initial=0))
-    return resized(cells, 2 * int(reach) + 1)
+    top, bottom, left, right = _box(cells)
+    if bottom == 0:
+        return no_cells()
+    reach = max(middle - top, bottom - 1 - middle, middle - left, right - 1 - middle)
+    return resized(cells, 2 * reach + 1)
 
 
 def joined(first: Cells, second: Cells) -> Cells:
@@ -59,7 +66,7 @@ def cost(cells: Cells, reach: int) -> int:
     if not kept.any():
         return 0
     top, bottom, left, right = _box(kept)
-    return _box_bytes(reach) + -(-(bottom - top) * (right - left) // _PER_BYTE)
+    return _box_bytes(reach) + int(-(-(bottom - top) * (right - left) // _PER_BYTE))
 
 
 def fitting_reach(cells: Cells, most: int, room_bytes: int) -> int:
@@ -79,8 +86,9 @@ def pack(cells: Cells, reach: int) -> bytes:
     for edge in (box[0], box[1] - 1, box[2], box[3] - 1):
         number = number * len(full) + edge
     flat = full[top:bottom, left:right].ravel().astype(np.int64)
-    flat = np.pad(flat, (0, -len(flat) % _PER_BYTE))
-    digits: Cells = (flat.reshape(-1, _PER_BYTE) @ _WEIGHTS).astype(np.uint8)
+    padded = np.zeros(-(-len(flat) // _PER_BYTE) * _PER_BYTE, np.int64)
+    padded[: len(flat)] = flat
+    digits: Cells = (padded.reshape(-1, _PER_BYTE) @ _WEIGHTS).astype(np.uint8)
     return number.to_bytes(_box_bytes(reach), "big") + digits.tobytes()
 
 
@@ -115,12 +123,19 @@ def unpack(data: bytes, reach: int) -> tuple[Cells, int]:
     return trimmed(cells), end
 
 
+@njit(cache=True)
 def _box(cells: Cells) -> tuple[int, int, int, int]:
     """Return the first and the end of the rows and of the columns that hold something; all 0 for none."""
-    rows, columns = np.flatnonzero(cells.any(axis=1)), np.flatnonzero(cells.any(axis=0))
-    if len(rows) == 0:
+    rows, columns = cells.shape
+    top, bottom, left, right = rows, 0, columns, 0
+    for r in range(rows):
+        for c in range(columns):
+            if cells[r, c]:
+                top, bottom = min(top, r), r + 1
+                left, right = min(left, c), max(right, c + 1)
+    if bottom == 0:
         return 0, 0, 0, 0
-    return int(rows[0]), int(rows[-1]) + 1, int(columns[0]), int(columns[-1]) + 1
+    return top, bottom, left, right
 
 
 def _box_bytes(reach: int) -> int:

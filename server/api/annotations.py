@@ -41,7 +41,7 @@ async def put_annotation(
         by=by.name,
         created_unix_s=now,
         changed_unix_s=now,
-        **body.model_dump(),
+        **body.model_dump() | {"area_m": tuple((x, y) for x, y in body.area_m)},
     )
     change.before = mission.annotations.value(str(annotation_id))
     written = annotation_value(await mission.annotations.put(record))

@@ -2,17 +2,24 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import asdict
-from typing import Annotated
+from typing import Annotated, Any
 
 from fastapi import APIRouter, Query
 
 from db.records import AnnotationRecord
 from server.api.common import ERRORS, AllMissions, Commander, OneMission, Operator, Responder, TheChange
 from server.errors import ApiError, unknown
-from server.mission.victims import judgement
 from server.people.audit import AuditedRoute
 from server.schemas.people import AuditEntryOut, AuditOut
+
+
+def plain(value: dict[str, Any] | None) -> dict[str, Any] | None:
+    """Return a value as the database gives it back: tuples are lists there."""
+    found: dict[str, Any] | None = json.loads(json.dumps(value))
+    return found
+
 
 router = APIRouter(tags=["people"], responses=ERRORS, route_class=AuditedRoute)
 Before = Annotated[int | None, Query(ge=1, description="Only changes before this audit_id.")]
@@ -59,16 +66,16 @@ async def take_back(
     change.subject = entry.subject
     changed = ApiError(409, "changed_since", f"{entry.subject} was changed again since; look at it anew.")
     if entry.action == "judge_victim" and entry.before is not None:
-        if judgement(mission.victims.get(entry.subject)) != entry.after:
+        if plain(mission.victims.get(entry.subject).said.value()) != entry.after:
             raise changed
         await mission.victims.put_back(entry.subject, entry.before, by.name)
     elif entry.action in ("put_annotation", "delete_annotation"):
-        if mission.annotations.value(entry.subject) != entry.after:
+        if plain(mission.annotations.value(entry.subject)) != entry.after:
             raise changed
         if entry.before is None:
             await mission.annotations.remove(entry.subject)
         else:
-            await mission.annotations.put(AnnotationRecord(**entry.before))
+            await mission.annotations.put(AnnotationRecord.of(entry.before))
     else:
         message = "Only changes of victims and of annotations can be taken back."
         raise ApiError(409, "cannot_undo", message, "audit_id")

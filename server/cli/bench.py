@@ -9,12 +9,25 @@ import typer
 
 from server.cli.console import CommandError, print_json, print_table
 
-_KNOWN = ("office", "latency", "scan-match", "solve", "incremental", "rslam", "ekf")
+_KNOWN = (
+    "office",
+    "latency",
+    "scan-match",
+    "solve",
+    "incremental",
+    "rslam",
+    "ekf",
+    "decision",
+    "exploration",
+)
 
 
 def bench(
     names: Annotated[
-        list[str] | None, typer.Argument(metavar="[office|latency|scan-match|solve|incremental|rslam|ekf]...")
+        list[str] | None,
+        typer.Argument(
+            metavar="[office|latency|scan-match|solve|incremental|rslam|ekf|decision|exploration]..."
+        ),
     ] = None,
     map_spec: Annotated[
         str, typer.Option("--map", metavar="FILE.yaml|office:AREA", help="Building for `office`.")
@@ -74,6 +87,14 @@ def _measure(name: str, map_spec: str, minutes: float, seconds: float) -> dict[s
         from server.benchmarks import ekf
 
         return ekf.measure()
+    if name == "exploration":
+        from server.benchmarks import exploration
+
+        return exploration.measure()
+    if name == "decision":
+        from server.benchmarks import decision
+
+        return decision.measure()
     from server.benchmarks import latency
 
     return latency.measure(seconds=seconds)

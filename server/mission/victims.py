@@ -3,23 +3,19 @@
 from __future__ import annotations
 
 import asyncio
+import time
 from collections.abc import Iterable, Set
 from dataclasses import replace
 from typing import Any
 
-from db.records import VictimRecord, VictimStatus
 from db.store import Store
+from db.victim_records import SaidRecord, VictimRecord
 from robots.team import TeamVictim
 from server.board import Board
-from server.errors import unknown
+from server.errors import ApiError, unknown
 from server.mission.alerts import Alerts
 from server.mission.events import Events
 from server.sharing import victim_record, victim_value
-
-
-def judgement(victim: VictimRecord) -> dict[str, Any]:
-    """Return what people have said about a victim."""
-    return {"status": victim.status, "note": victim.note, "by": victim.by}
 
 
 class Victims:
@@ -52,19 +48,21 @@ class Victims:
             raise unknown("victim", victim_id)
         return self._victims[victim_id]
 
-    async def judge(self, victim_id: str, status: VictimStatus, note: str | None, by: str) -> VictimRecord:
-        """Keep what a person says about a victim; a note of None keeps the earlier one.
+    async def say(self, victim_id: str, words: dict[str, Any], by: str) -> VictimRecord:
+        """Keep what a person says about a victim: fields of ``SaidRecord``; those left out stay.
 
         Raises:
-            ApiError: there is none of that id.
+            ApiError: there is none of that id; or it is to be merged into itself or into one that is none.
         """
         async with self._changing:
             known = self.get(victim_id)
-            victim = replace(known, status=status, note=known.note if note is None else note, by=by)
-            await self._store.findings.record_status(self._mission_id, victim)
+            self._check_merge(victim_id, words.get("merged_into"))
+            said = replace(known.said, **words, by=by, changed_unix_s=time.time())
+            victim = replace(known, said=said)
+            await self._store.findings.record_said(self._mission_id, victim)
             self._keep([victim])
         await self._alerts.settle("victim", victim_id, by)
-        await self._events.tell("victim_judged", f"Victim {victim_id} is {status}, says {by}.")
+        await self._events.tell("victim_judged", f"Victim {victim_id} {_words(known.said, said)}, says {by}.")
         return victim
 
     async def put_back(self, victim_id: str, said: dict[str, Any], by: str) -> None:
@@ -74,11 +72,24 @@ class Victims:
             ApiError: there is none of that id.
         """
         async with self._changing:
-            victim = replace(self.get(victim_id), **said)
-            await self._store.findings.record_status(self._mission_id, victim)
+            victim = replace(self.get(victim_id), said=SaidRecord.of(said))
+            await self._store.findings.record_said(self._mission_id, victim)
             self._keep([victim])
-        text = f"Victim {victim_id} is {victim.status} again: {by} took a change back."
+        text = f"Victim {victim_id} is {victim.said.status} again: {by} took a change back."
         await self._events.tell("victim_judged", text)
+
+    def _check_merge(self, victim_id: str, into: str | None) -> None:
+        if into is None:
+            return
+        target = self._victims.get(into)
+        if into == victim_id or target is None or target.said.merged_into is not None:
+            message = f"Victim {victim_id} cannot be merged into {into!r}: name another victim that stands."
+            raise ApiError(409, "cannot_merge", message, "merged_into")
+        if any(victim.said.merged_into == victim_id for victim in self._victims.values()):
+            message = (
+                f"Others were merged into victim {victim_id}; split them off first, or merge the other way."
+            )
+            raise ApiError(409, "cannot_merge", message, "merged_into")
 
     async def take(self, found: Iterable[TeamVictim], absent: Set[str]) -> None:
         """Take over the victims of a new team map.
@@ -92,7 +103,7 @@ class Victims:
             gone = sorted(
                 name
                 for name, victim in known.items()
-                if name not in now and not victim.by and not absent & set(victim.robots)
+                if name not in now and not victim.said.by and not absent & set(victim.robots)
             )
             changed = [victim for name, victim in now.items() if known.get(name) != victim]
             new = [victim for victim in changed if victim.victim_id not in known]
@@ -118,3 +129,23 @@ class Victims:
         for victim in victims:
             self._victims[victim.victim_id] = victim
             self._board.publish({f"victim/{victim.victim_id}": victim_value(victim)})
+
+
+def _words(before: SaidRecord, after: SaidRecord) -> str:
+    """Return what has changed, in words."""
+    if after.merged_into != before.merged_into:
+        return "stands for itself" if after.merged_into is None else f"is the same as {after.merged_into}"
+    words = []
+    if after.status != before.status:
+        words.append(f"is {after.status}")
+    if after.start.triage != before.start.triage:
+        words.append(f"is triaged {after.start.triage}")
+    if (after.live, after.dead) != (before.live, before.dead):
+        words.append(f"has {after.live or 0} live and {after.dead or 0} dead")
+    if after.team != before.team:
+        words.append(f"goes to {after.team}" if after.team else "goes to no team")
+    if after.place_m != before.place_m:
+        words.append("was moved on the plan")
+    if after.note != before.note:
+        words.append("has a new note")
+    return ", ".join(words) or f"is {after.status}"

@@ -1,12 +1,12 @@
-"""Tags, victims, annotations, the map and the graph on the wire."""
+"""Tags, annotations, the map and the graph on the wire."""
 
 from __future__ import annotations
 
-from typing import Any, Self
+from typing import Annotated, Any, Self
 
 from pydantic import ConfigDict, Field, model_validator
 
-from db.records import AnnotationKind, TagState, VictimStatus
+from db.records import AnnotationKind, TagState
 from server.schemas.common import Covariance, Metres, Name, Wire
 from server.schemas.nodes import NodeOut
 
@@ -47,48 +47,18 @@ class TagsOut(Wire):
     links: list[tuple[str, str]]
 
 
-class VictimOut(Wire):
-    """A victim: measured by robots, judged by people."""
-
-    victim_id: str
-    x_m: float
-    y_m: float
-    covariance: Covariance
-    confidence: float
-    status: VictimStatus
-    sightings: int
-    robots: list[str]
-    note: str
-    by: str
-    first_seen_s: float
-    last_seen_s: float
-
-
-class VictimsOut(Wire):
-    """All victims."""
-
-    victims: list[VictimOut]
-
-
-class VictimIn(Wire):
-    """What a person says about a victim."""
-
-    model_config = ConfigDict(
-        json_schema_extra={"examples": [{"status": "confirmed", "note": "answers when called"}]}
-    )
-
-    status: VictimStatus
-    note: str | None = Field(None, max_length=2000, description="Replaces the earlier note; null keeps it.")
+Corner = Annotated[list[Metres], Field(min_length=2, max_length=2)]
 
 
 class AnnotationIn(Wire):
-    """Something to write on the map, at a place in the world frame or at a tag."""
+    """Something to write on the map: at a place in the world frame, at a tag, or over an area."""
 
     model_config = ConfigDict(
         json_schema_extra={
             "examples": [
                 {"kind": "hazard", "text": "smell of gas", "x_m": 3.0, "y_m": -1.5},
                 {"kind": "note", "text": "stairs go down here", "tag_id": "A4"},
+                {"kind": "searched", "text": "", "area_m": [[0.0, 0.0], [4.0, 0.0], [4.0, 3.0]]},
             ]
         }
     )
@@ -98,13 +68,18 @@ class AnnotationIn(Wire):
     x_m: Metres | None = None
     y_m: Metres | None = None
     tag_id: Name | None = None
+    area_m: list[Corner] = Field(
+        default_factory=list, max_length=500, description="Corners of the area, x and y of each."
+    )
 
     @model_validator(mode="after")
     def _has_one_place(self) -> Self:
         at_point = self.x_m is not None and self.y_m is not None
         partly = (self.x_m is None) != (self.y_m is None)
-        if partly or at_point == (self.tag_id is not None):
-            raise ValueError("give either x_m and y_m, or tag_id")
+        if partly or at_point + (self.tag_id is not None) + bool(self.area_m) != 1:
+            raise ValueError("give either x_m and y_m, or tag_id, or area_m")
+        if 0 < len(self.area_m) < 3:
+            raise ValueError("area_m needs three corners or more")
         return self
 
 
@@ -117,6 +92,7 @@ class AnnotationOut(Wire):
     x_m: float | None
     y_m: float | None
     tag_id: str | None
+    area_m: list[list[float]]
     by: str
     created_unix_s: float
     changed_unix_s: float
@@ -136,6 +112,7 @@ class MapOut(Wire):
     height: int = Field(description="In cells.")
     resolution_m: float
     origin_m: tuple[float, float] = Field(description="World coordinates of the lower left corner.")
+    explored_m2: float = Field(description="Free ground on it: what the team has explored.")
     png: str = Field(description="Address of the picture: 0 unknown (transparent), 1 free, 2 occupied.")
 
 

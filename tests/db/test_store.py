@@ -6,6 +6,7 @@ import asyncio
 from collections.abc import Awaitable, Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -22,9 +23,9 @@ from db.records import (
     SnapshotRecord,
     StartPoseRecord,
     TagRecord,
-    VictimRecord,
 )
 from db.store import Store
+from db.victim_records import SaidRecord, StartRecord, VictimRecord
 from robots.graph_report import GraphReport
 
 M = "mine"
@@ -200,27 +201,36 @@ def test_the_latest_reading_of_a_node_and_its_alerts(story) -> None:
     story(first, second)
 
 
+SAID = {
+    "status": "reached",
+    "note": "conscious",
+    "live": 1,
+    "start": StartRecord(walks=False, breaths_per_min=20),
+    "place_m": (1.5, 2.5),
+    "merged_into": "2",
+    "by": "Ada",
+}
+
+
 def test_what_people_said_of_a_victim_outlives_new_measurements(story) -> None:
-    def victim(x_m: float, **said: str) -> VictimRecord:
+    def victim(x_m: float, **said: Any) -> VictimRecord:
         place = PointRecord(x_m, 0.0, 0.1, 0.0, 0.1)
-        return VictimRecord("1", place, 0.9, 3, ("r1",), 1.0, 2.0, **said)
+        return VictimRecord("1", place, 0.9, 3, ("r1",), 1.0, 2.0, SaidRecord(**said))
 
     async def first(store: Store) -> None:
         await store.findings.record_victims(M, [victim(1.0)])
-        await store.findings.record_status(M, victim(0.0, status="reached", note="conscious", by="Ada"))
+        await store.findings.record_said(M, victim(0.0, **SAID))
         await store.findings.record_victims(M, [victim(5.0)])
 
     async def second(store: Store) -> None:
-        assert await store.findings.victims_of(M) == [
-            victim(5.0, status="reached", note="conscious", by="Ada")
-        ]
+        assert await store.findings.victims_of(M) == [victim(5.0, **SAID)]
 
     story(first, second)
 
 
 def test_only_victims_nobody_spoke_of_are_forgotten(story) -> None:
     def victim(victim_id: str, by: str) -> VictimRecord:
-        return VictimRecord(victim_id, PointRecord(0, 0, 1, 0, 1), 0.9, 3, (), 1.0, 2.0, by=by)
+        return VictimRecord(victim_id, PointRecord(0, 0, 1, 0, 1), 0.9, 3, (), 1.0, 2.0, SaidRecord(by=by))
 
     async def part(store: Store) -> None:
         await store.findings.record_victims(M, [victim("1", ""), victim("2", "Ada"), victim("3", "")])
@@ -232,7 +242,16 @@ def test_only_victims_nobody_spoke_of_are_forgotten(story) -> None:
 
 def test_annotations_and_events(story) -> None:
     note = AnnotationRecord(
-        "11111111-1111-4111-8111-111111111111", "hazard", "gas", 1.0, 2.0, None, "Ada", 1.0, 1.0
+        "11111111-1111-4111-8111-111111111111",
+        "hazard",
+        "gas",
+        1.0,
+        2.0,
+        None,
+        "Ada",
+        1.0,
+        1.0,
+        ((0.0, 1.0),) * 3,
     )
 
     async def first(store: Store) -> None:

@@ -189,7 +189,7 @@ class Control:
         self.port = listening.getsockname()[1]
         self._thread = threading.Thread(target=self._server.run, args=([listening],))
         self._thread.start()
-        self._client = httpx.Client(base_url=f"http://127.0.0.1:{self.port}/api/v1", timeout=30.0)
+        self._client = httpx.Client(base_url=f"http://127.0.0.1:{self.port}/api/v1", timeout=90.0)
         wait_until(lambda: self._server.started or not self._thread.is_alive())
         self.missions = self._app.state.missions
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import threading
 from collections.abc import Callable, Iterator
 from math import atan2, cos, hypot, inf, pi, sin
@@ -192,11 +193,26 @@ def test_a_mission_is_watched_and_stopped(
         victim.get_by_label("Status").select_option("confirmed")
         expect(victim).to_have_attribute("data-status", "confirmed", timeout=SOON_MS)
 
+        # what is found out is kept: START step by step, counts, and a place that a person points at
+        page.keyboard.press("j")
+        expect(victim).to_have_class(re.compile("selected"))
+        victim.get_by_role("button", name="No", exact=True).click()  # cannot walk
+        victim.get_by_label("Breaths a minute").fill("34")
+        victim.get_by_label("Breaths a minute").press("Enter")
+        expect(victim.locator(".card-head .triage")).to_have_text("immediate", timeout=SOON_MS)
+        victim.get_by_label("Live there").fill("1")
+        victim.get_by_label("Live there").press("Tab")
+        expect(victim.get_by_text("V, 1 live still there")).to_be_visible(timeout=SOON_MS)
+        victim.get_by_text("History").click()
+        victim.get_by_role("button", name="Undo").click()
+        expect(victim.get_by_text("V: a potential victim")).to_be_visible(timeout=SOON_MS)
+        page.keyboard.press("Escape")
+
         # selecting shows the plan; STOP is confirmed, RESUME asks twice
         card.locator(".card-body").click()
         expect(card.locator(".card-body")).to_have_attribute("aria-pressed", "true")
         page.get_by_role("button", name="Stop r1").click()  # a touch by mistake
-        expect(card.get_by_text("Hold", exact=True)).to_be_visible()
+        expect(card.get_by_text("Press longer")).to_be_visible()
         page.get_by_role("button", name="Stop r1").click(delay=HELD_MS)
         expect(card).to_have_attribute("data-stop", "stopped", timeout=SOON_MS)
         assert (robot.linear, robot.angular) == (0.0, 0.0)
@@ -222,6 +238,24 @@ def test_a_mission_is_watched_and_stopped(
 
         page.get_by_role("button", name="STOP ALL").click(delay=HELD_MS)
         expect(page.get_by_text("All stopped", exact=True)).to_be_visible(timeout=SOON_MS)
+        # a hazard is written on the plan, at a point and over an area, read, and taken away
+        plan = page.locator("#plan")
+        page.get_by_role("button", name="Note", exact=True).click()
+        page.get_by_label("What it says").fill("smell of gas")
+        page.get_by_role("button", name="At a point…").click()
+        plan.click(position={"x": 470, "y": 560})
+        page.locator(".mark.note", has_text="smell of gas").click()
+        expect(page.get_by_role("region", name="Hazard")).to_contain_text("By operator")
+        page.get_by_role("region", name="Hazard").get_by_role("button", name="Remove").click()
+        expect(page.locator(".mark.note")).to_have_count(0)
+        page.get_by_role("button", name="Note", exact=True).click()
+        page.get_by_role("button", name="✓ Searched").click()
+        page.get_by_role("button", name="Over an area…").click()
+        for x, y in ((420, 500), (520, 500), (520, 600)):
+            plan.click(position={"x": x, "y": y})
+        page.get_by_role("button", name="Close the area").click()
+        expect(page.locator(".mark.note[data-kind=searched]")).to_be_visible(timeout=SOON_MS)
+
         # EVACUATE stands across the page until it is over, and says who has heard it
         page.get_by_role("button", name="EVACUATE").click(delay=HELD_MS)
         expect(page.locator(".evacuation")).to_contain_text("Everybody out, says operator")

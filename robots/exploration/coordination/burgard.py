@@ -12,6 +12,8 @@ UTILITY_M = 8.0  # of way that a frontier's whole utility, 1, is worth: 1 / beta
 class Burgard:
     """Algorithm 1, with the strategy's worth in place of a utility that is 1 everywhere less beta V."""
 
+    why = "where nobody else will look"
+
     def choose(self, team: Team) -> int:
         """Return this robot's frontier."""
         if len(team) == 1:

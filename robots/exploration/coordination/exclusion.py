@@ -13,6 +13,8 @@ KEEP_OFF_M = 4.0
 class Exclusion:
     """Takes what is worth most beyond 4 m of the others' goals, or anywhere where nothing is."""
 
+    why = "away from where others go"
+
     def choose(self, team: Team) -> int:
         """Return the frontier."""
         excluded = self.excluded(team)

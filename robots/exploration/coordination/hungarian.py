@@ -14,6 +14,8 @@ _NO_WAY_M = 1e6
 class Hungarian:
     """Everybody gets another frontier, so that the sum of what they are worth is greatest."""
 
+    why = "my part of what is best for all"
+
     def choose(self, team: Team) -> int:
         """Return this robot's frontier; what is worth most to it where there are too few."""
         if len(team) > 1:

@@ -16,6 +16,8 @@ NODE_M = 4.0  # a frontier belongs to the nearest tag within so far, else nobody
 class NodeCounting:
     """Takes a frontier at the tag that was passed least, and of several the one that is worth most."""
 
+    why = "where fewer have been"
+
     def choose(self, team: Team) -> int:
         """Return the frontier."""
         counts = self.counts(team)

@@ -16,6 +16,8 @@ from robots.exploration.coordination.team import NEVER, Team
 class Original:
     """Section 3.3, steps 1 to 5."""
 
+    why = "the best that others leave me"
+
     def choose(self, team: Team) -> int:
         """Return this robot's frontier; what is worth most to it where none was left for it."""
         if len(team) == 1:

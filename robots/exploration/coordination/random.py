@@ -12,6 +12,8 @@ from robots.exploration.coordination.team import SAME_GOAL_M, Team, near
 class Random:
     """Draws a frontier that nobody else goes to, and draws again once it is gone."""
 
+    why = "by chance"
+
     def __init__(self) -> None:
         self._drawn = 0
 
@@ -28,5 +30,5 @@ class Random:
                 taken |= near(goal, team.frontiers_m, SAME_GOAL_M)
         free = np.flatnonzero(~taken if not taken.all() else taken)
         self._drawn += 1
-        chance = np.random.default_rng([crc32(team.ids[team.me].encode()), self._drawn])
+        chance = np.random.default_rng([team.seed, crc32(team.ids[team.me].encode()), self._drawn])
         return int(free[chance.integers(len(free))])

@@ -10,6 +10,8 @@ from robots.exploration.coordination.team import Team, greedy_pairs
 class Simplified:
     """Gives out the pair of robot and frontier worth most, then the next, by straight distances alone."""
 
+    why = "the best that others leave me"
+
     def choose(self, team: Team) -> int:
         """Return this robot's frontier; what is worth most to it where none was left for it."""
         if len(team) == 1:

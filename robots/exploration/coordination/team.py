@@ -35,8 +35,8 @@ class Mate:
 class Team:
     """Robots in the order of their names, this one among them, and what n frontiers are worth to each.
 
-    ``me`` is this robot's row. ``poses`` and ``goals_m`` (x, y) or None, of each, in its map frame;
-    ``reach_m`` how far a laser sees. ``planned`` counts the ways that had to be planned.
+    ``me`` is this robot's row; ``goals_m`` (x, y) or None, of each, in its map frame; ``reach_m`` how far a
+    laser sees; ``seed`` of what is left to chance. ``planned`` counts the ways that had to be planned.
     """
 
     def __init__(
@@ -47,6 +47,7 @@ class Team:
         goal_m: tuple[float, float] | None,
         mates: Sequence[Mate] = (),
         reach_m: float = 4.0,
+        seed: int = 0,
     ) -> None:
         everybody = sorted([Mate(robot_id, view.pose, goal_m), *mates], key=lambda mate: mate.robot_id)
         self.ids = tuple(mate.robot_id for mate in everybody)
@@ -55,6 +56,7 @@ class Team:
         self.frontiers_m = goals_of(view)
         self.goals_m = tuple(mate.goal_m for mate in everybody)
         self.reach_m = reach_m
+        self.seed = seed
         self.planned = 0
         self._strategy = strategy
         self._poses: tuple[Pose2, ...] = tuple(mate.pose for mate in everybody)
@@ -136,7 +138,12 @@ class Team:
 
 
 class Coordination(Protocol):
-    """Chooses this robot's frontier in view of the others."""
+    """Chooses this robot's frontier in view of the others.
+
+    ``why``, in words after a comma, it is not the one worth most to this robot.
+    """
+
+    why: str
 
     def choose(self, team: Team) -> int:
         """Return the frontier to go to; there is at least one. Alone it is the one worth most."""
@@ -145,6 +152,8 @@ class Coordination(Protocol):
 
 class Selfish:
     """No coordination: everybody takes what is worth most to it (Amigoni 2013, "no coordination")."""
+
+    why = ""
 
     def choose(self, team: Team) -> int:
         """Return the frontier worth most."""

@@ -10,6 +10,8 @@ from robots.exploration.coordination.team import Team
 class Voronoi:
     """Takes what is worth most of its own frontiers, and of all where it has none."""
 
+    why = "as nobody is nearer to it"
+
     def choose(self, team: Team) -> int:
         """Return the frontier."""
         owned = np.argmin(team.ways, axis=0) == team.me

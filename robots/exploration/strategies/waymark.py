@@ -1,7 +1,9 @@
-"""Waymark's own: go where much is unknown to all whose word was read, for the way it takes.
+"""Waymark's own: the shortest way to ground that nobody has told of, through what others have covered.
 
-Ground that others have covered and closed is left to the last, but never struck off: a tag may be wrong, and
-a robot that has nothing better to do looks for itself.
+A frontier in claimed ground is worth going to for what lies beyond, so covered ground is crossed quickly, or
+left to those who are there. Tags tell what was known when they were written: where others went and drove,
+more will have been seen since, so robots keep away from there too. Nothing is struck off: a tag may be wrong,
+and a robot that has nothing better to do looks for itself.
 """
 
 from __future__ import annotations
@@ -10,15 +12,21 @@ import numpy as np
 
 from robots.exploration.far_sight import FarFrontier, FarSight
 from robots.exploration.frontiers import Frontier
+from robots.exploration.outlook import ways_beyond
 from robots.exploration.strategies.information_gain import SEEN_M, SQUARE_M2, WORTH_M
 from robots.exploration.strategy import ExplorationView, goals_of, ways_of
 from robots.se2 import Array
 
-_CLAIMED_M = 15.0  # of way, where all round a frontier is claimed
+_DETOUR = 1.5  # what a metre through claimed ground costs: nothing is known of its walls
+_FARTHEST_M = 15.0  # beyond claimed ground: farther counts alike
+_JUST_DRIVEN = 16  # points of the robot's own trail, 4 m, that say nothing yet
+_TAKEN_M, _TAKEN_WITHIN_M = 6.0, 4.0  # what it costs to go where others went, and how near that is
 
 
 class Waymark:
-    """Weighs the way to a frontier against what is unknown round it and what others have claimed."""
+    """Weighs ways to frontiers and beyond them against what nobody has told of and where others are."""
+
+    tag_every_m = 1.0
 
     def __init__(self) -> None:
         self._far = FarSight()
@@ -28,25 +36,82 @@ class Waymark:
         return self._far.candidates(view) if view.settings.local_map_m else view.frontiers
 
     def worths(self, view: ExplorationView) -> Array:
-        """Return what is to be seen less what is claimed and the way."""
+        """Return what is to be seen less the way, the way beyond, and what others took upon themselves."""
         if view.settings.local_map_m:  # what is claimed was left out
             untold, _ = self._far.survey().shares(places_of(view), SEEN_M)
             return WORTH_M * untold - ways_of(view)
-        untold, claimed = view.survey.shares(goals_of(view), SEEN_M)
-        return WORTH_M * untold - _CLAIMED_M * claimed - ways_of(view)
+        untold, _ = view.survey.shares(goals_of(view), SEEN_M)
+        beyond = _beyond(view)
+        seen = np.maximum(0.0, 1.0 - beyond / SEEN_M)  # what is untold behind claimed ground is behind walls
+        taken = _TAKEN_M * (promised(view) + trodden(view))
+        return WORTH_M * untold * seen - _DETOUR * beyond - taken - ways_of(view)
 
     def reason(self, view: ExplorationView, index: int) -> str:
-        """Return how much is to be seen, or that tags say otherwise."""
-        frontier = view.frontiers[index]
-        if isinstance(frontier, FarFrontier):
+        """Return how much is to be seen, or why it goes where others were."""
+        if isinstance(view.frontiers[index], FarFrontier):
             return "ground that was left open, along tags"
         untold, claimed = view.survey.shares(goals_of(view)[index : index + 1], SEEN_M)
-        if claimed[0] > untold[0]:
-            return "check ground that tags call covered"
-        return f"see about {untold[0] * SQUARE_M2:.0f} m² of new ground"
+        if claimed[0] <= untold[0]:
+            return f"see about {untold[0] * SQUARE_M2:.0f} m² {_of_whom(view)}{_elsewhere(view, index)}"
+        beyond = float(_beyond(view)[index])
+        if beyond >= _FARTHEST_M:
+            return "check ground that tags call covered: nothing else is left"
+        return f"cross covered ground to what {'' if beyond < 1.0 else f'{beyond:.0f} m '}beyond it is open"
+
+
+def promised(view: ExplorationView) -> Array:
+    """Return how near, 0 to 1, each frontier is to a place where another robot said it went, (n,)."""
+    return _nearness(goals_of(view), view.survey.promised)
+
+
+def trodden(view: ExplorationView) -> Array:
+    """Return how near, 0 to 1, each frontier is to where robots drove, this one or those it read of, (n,)."""
+    driven = [tag.memory.visited_m + np.array(tag.place_m) for tag in view.tags]
+    return _nearness(goals_of(view), np.concatenate([view.trail[:-_JUST_DRIVEN, :2], *driven]))
 
 
 def places_of(view: ExplorationView) -> Array:
     """Return where the new ground is, (n, 2), of each candidate."""
     places = [f.at_m if isinstance(f, FarFrontier) else f.goal_m for f in view.frontiers]
     return np.array(places).reshape(-1, 2)
+
+
+def _beyond(view: ExplorationView) -> Array:
+    if view.grid is None:
+        return np.zeros(len(view.frontiers))
+    cells = np.array([frontier.goal for frontier in view.frontiers]).reshape(-1, 2)
+    return ways_beyond(view.grid, view.survey, cells, _FARTHEST_M)
+
+
+def _nearness(goals: Array, places: Array) -> Array:
+    if len(places) == 0 or len(goals) == 0:
+        return np.zeros(len(goals))
+    gaps = np.sqrt(((goals[:, None, :] - places[None, :, :]) ** 2).sum(axis=2).min(axis=1))
+    near: Array = np.maximum(0.0, 1.0 - gaps / _TAKEN_WITHIN_M)
+    return near
+
+
+def _of_whom(view: ExplorationView) -> str:
+    return "that nobody has told of" if view.tags else "of new ground"
+
+
+def _elsewhere(view: ExplorationView, index: int) -> str:
+    """Return which way is left to others, where the nearest frontier is passed over for what tags say."""
+    if index == 0 or not view.tags:
+        return ""
+    passed = view.frontiers[0].goal_m
+    _, claimed = view.survey.shares(np.array([passed]), SEEN_M)
+    taken = float((promised(view) + trodden(view))[0]) > float((promised(view) + trodden(view))[index])
+    if claimed[0] < 0.25 and not taken:
+        return ""
+    said = "is covered" if claimed[0] >= 0.25 else "is taken"
+    chosen = view.frontiers[index].goal_m
+    return f": tags say the {_towards(view, passed)} {said}, going {_towards(view, chosen)}"
+
+
+def _towards(view: ExplorationView, point: tuple[float, float]) -> str:
+    """Return the direction of a point; x points north, y west."""
+    north, west = point[0] - view.pose.x, point[1] - view.pose.y
+    if abs(north) >= abs(west):
+        return "north" if north >= 0.0 else "south"
+    return "west" if west >= 0.0 else "east"

@@ -99,10 +99,9 @@ def absorb(own: Cells, team: Cells, counts: Mask, top: int, left: int, bottom: i
     """Add what one robot saw within a window to what the team saw; return how many new cells count."""
     fresh = 0
     for r in range(top, bottom):
-        for c in range(left, right):
-            if own[r, c] and not team[r, c]:
-                team[r, c] = 1
-                fresh += counts[r, c]
+        for c in range(left, right):  # without branches, so that the compiler takes many cells at once
+            fresh += own[r, c] & (1 - team[r, c]) & counts[r, c]
+            team[r, c] |= own[r, c]
     return fresh
 
 

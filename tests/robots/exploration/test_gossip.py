@@ -124,6 +124,19 @@ def test_a_crowd_is_bounded():
     encode_message(listener.say(1.0, 1.0, HERE, None))
 
 
+def test_there_is_an_end_to_the_ground_that_is_kept(monkeypatch):
+    monkeypatch.setattr("robots.exploration.team_ground.MOST_IN_ALL", 3)
+    listener, talker = Gossip("me"), Gossip("a")
+    talker.hear(0.0, say(listener, 0.0))
+    talker.ground.note("a", {(k, 0): ALL_FREE for k in range(5)})
+    assert "no room" in listener.hear(0.0, say(talker, 0.0))
+    assert len(ground_of(listener, "a")) == 3
+    talker.ground.note("a", {(0, 0): ALL_OCCUPIED})
+    talker.hear(1.0, say(listener, 1.0))
+    assert listener.hear(1.0, say(talker, 1.0)) is None
+    assert ground_of(listener, "a")[0, 0] == (6, ALL_OCCUPIED)
+
+
 def drawn(cells) -> FusedGrid:
     fused = FusedGrid(0.05)
     fused.put("all", 0, Pose2(), cells.astype(np.int16))

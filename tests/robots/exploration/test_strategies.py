@@ -46,7 +46,7 @@ def test_what_others_covered_is_left_to_the_last_and_only_by_waymark():
     assert best(InformationGain(), seen) is NEAR
     assert best(Waymark(), seen) is FAR
     assert best(Waymark(), view((NEAR,), claimed_to_x_m=12.0)) is NEAR
-    assert Waymark().reason(seen, 0) == "check ground that tags call covered"
+    assert Waymark().reason(seen, 0) == "cross covered ground to what beyond it is open"
     assert Waymark().reason(seen, 1) == "see about 36 m² of new ground"
 
 

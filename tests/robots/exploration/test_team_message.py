@@ -44,6 +44,7 @@ def messages(draw):
         tuple(known.items()),
         tuple(patches),
         draw(st.booleans()),
+        draw(st.booleans()),
     )
 
 

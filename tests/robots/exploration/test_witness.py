@@ -18,7 +18,7 @@ def about(witness, place=(0.0, 0.0), said=None, goal=(3.0, -2.0), now_s=0.0, tag
 
 
 def test_it_tells_of_ground_ways_and_goal():
-    told = about(Witness("r1"))
+    told = about(Witness("r1", 0.5))
     assert (told.cells == CLOSED).sum() > 60
     assert told.visited.sum() == 3
     (passage,) = told.passes
@@ -26,7 +26,7 @@ def test_it_tells_of_ground_ways_and_goal():
 
 
 def test_a_passage_counts_once_however_long_it_is_read_and_the_last_goal_counts():
-    witness = Witness("r1")
+    witness = Witness("r1", 0.5)
     seen = [about(witness, now_s=0.5 * k, goal=(3.0 + 0.1 * k, 0.0)).passes[0] for k in range(60)]
     assert {p.count for p in seen} == {1}
     assert max(seen).goal_m is not None
@@ -38,10 +38,10 @@ def test_a_passage_counts_once_however_long_it_is_read_and_the_last_goal_counts(
 
 def test_new_tags_get_the_lattice_of_the_first_that_told():
     corner = (0.25, 0.75)
-    witness = Witness("r1")
+    witness = Witness("r1", 0.5)
     said = observed_memory(GRID, 0.0, 0.0, phase_of(0.0, 0.0, corner))
     assert about(witness, said=said).phase == said.phase
     assert about(witness, place=(1.5, 0.5), tag_id="B").phase == phase_of(1.5, 0.5, corner)
-    assert about(Witness("r2"), place=(1.5, 0.5)).phase == CENTRED
+    assert about(Witness("r2", 0.5), place=(1.5, 0.5)).phase == CENTRED
     foreign = observed_memory(GRID, 2.0, 0.0, 17)
     assert about(witness, place=(2.0, 0.0), said=foreign).phase == 17

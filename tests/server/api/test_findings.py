@@ -152,10 +152,31 @@ def test_annotations_are_written_once_however_often_they_are_sent(line):
     assert line.get("/annotations")["annotations"] == []
 
 
+def test_an_area_is_drawn_taken_back_and_kept(tmp_path, make_control):
+    line = make_control(tmp_path).open("mine")
+    at = f"/annotations/{uuid4()}"
+    area = [[0.0, 0.0], [4.0, 0.0], [4.0, 3.5]]
+    drawn = line.call("PUT", at, {"kind": "searched", "text": "", "area_m": area}).json()
+    assert drawn["area_m"] == area
+    line.call("DELETE", at)
+    entry = line.get("/audit")["entries"][0]
+    assert line.call("POST", f"/audit/{entry['audit_id']}/undo").status_code == 204
+    line.control.stop()
+    line.control.start()
+    assert line.get("/annotations")["annotations"] == [drawn]
+
+
 @pytest.mark.parametrize(
     "place",
-    [{}, {"x_m": 1.0}, {"tag_id": "A", "x_m": 1.0, "y_m": 1.0}, {"tag_id": "A", "x_m": 1.0}],
-    ids=["none", "half", "both", "tag and half"],
+    [
+        {},
+        {"x_m": 1.0},
+        {"tag_id": "A", "x_m": 1.0, "y_m": 1.0},
+        {"tag_id": "A", "x_m": 1.0},
+        {"tag_id": "A", "area_m": [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]},
+        {"area_m": [[0.0, 0.0], [1.0, 0.0]]},
+    ],
+    ids=["none", "half", "both", "tag and half", "area and tag", "a line is no area"],
 )
 def test_an_annotation_has_one_place(line, place):
     body = {"kind": "note", "text": "x", **place}
@@ -200,3 +221,58 @@ def test_the_picture_and_the_trail_fit(driven):
 def test_without_scans_there_is_no_map(line):
     assert line.refused("GET", "/map") == (404, "no_map", None)
     assert line.refused("GET", "/map.png") == (404, "no_map", None)
+
+
+@pytest.fixture
+def two(control, drive, wait_until):
+    """A mission with two victims at least; their ids."""
+    line = control.open()
+    line.register(**line.words)
+    for wires in drive.wires:
+        line.send(wires)
+    wait_until(lambda: len(line.get("/victims")["victims"]) > 1)
+    return line, [victim["victim_id"] for victim in line.get("/victims")["victims"]][:2]
+
+
+def test_what_people_find_out_about_a_victim_is_kept_piece_by_piece(two):
+    line, (first, _) = two
+    at = f"/victims/{first}"
+    measured = line.get(at)
+    assert (measured["triage"], measured["live"], measured["by"]) == ("unknown", None, "")
+    line.call("PATCH", at, {"status": "confirmed", "live": 1, "dead": 0})
+    line.call("PATCH", at, {"team": "AUS01"})
+    line.call("PATCH", at, {"start": {"walks": False, "breaths_per_min": 34}})
+    found = line.get(at)
+    assert (found["status"], found["live"], found["team"]) == ("confirmed", 1, "AUS01")
+    assert (found["triage"], found["start"]["pulse"]) == ("immediate", None)
+    line.call("PATCH", at, {"place_m": {"x_m": 9.0, "y_m": 8.0}})
+    assert (line.get(at)["x_m"], line.get(at)["y_m"]) == (9.0, 8.0)
+    line.call("PATCH", at, {"place_m": None})
+    assert line.get(at)["x_m"] == pytest.approx(measured["x_m"], abs=0.5)
+    texts = [event["text"] for event in line.events("victim_judged")]
+    assert texts[0] == f"Victim {first} is confirmed, has 1 live and 0 dead, says operator."
+    assert texts[2] == f"Victim {first} is triaged immediate, says operator."
+    for body in (
+        {},
+        {"status": None},
+        {"live": -1},
+        {"start": {"breaths_per_min": 500}},
+        {"place_m": {"x_m": 1.0}},
+        {"triage": "deceased"},
+    ):
+        assert line.refused("PATCH", at, body)[:2] == (422, "invalid"), body
+
+
+def test_victims_that_are_one_are_merged_and_split_again(two):
+    line, (first, second) = two
+    assert line.call("PATCH", f"/victims/{second}", {"merged_into": first}).status_code == 200
+    assert line.refused("PATCH", f"/victims/{first}", {"merged_into": second})[:2] == (409, "cannot_merge")
+    assert line.refused("PATCH", f"/victims/{first}", {"merged_into": first})[:2] == (409, "cannot_merge")
+    assert line.refused("PATCH", f"/victims/{first}", {"merged_into": "v99"})[:2] == (409, "cannot_merge")
+    entry = line.get("/audit")["entries"][0]
+    assert line.call("POST", f"/audit/{entry['audit_id']}/undo").status_code == 204
+    assert line.get(f"/victims/{second}")["merged_into"] is None
+    assert line.call("PATCH", f"/victims/{second}", {"merged_into": first}).status_code == 200
+    assert line.call("PATCH", f"/victims/{second}", {"merged_into": None}).status_code == 200
+    (*_, last) = line.events("victim_judged")
+    assert last["text"] == f"Victim {second} stands for itself, says operator."

@@ -54,6 +54,23 @@ def test_the_summary_has_what_is_promised(mission):
     assert 0.0 < summary["step_ms_p50"] <= summary["step_ms_p99"]
 
 
+def test_robots_that_talk_tell_their_base(capsys):
+    talking = [
+        "--minutes",
+        "0.3",
+        "--communication",
+        "radio",
+        "--coordinate",
+        "burgard",
+        "--radio-range",
+        "30",
+    ]
+    assert run([*SHORT, *talking, "--json"]) == 0
+    assert 0.3 < json.loads(capsys.readouterr().out)["known_at_base"] <= 1.0
+    assert run([*SHORT, "--coordinate", "auction"]) == 1
+    assert "coordinate: 'auction' is unknown; use one of none, random" in capsys.readouterr().err
+
+
 def test_the_files_agree_with_the_summary(mission):
     summary, out = mission
     for robot_id in ("r1", "r2"):

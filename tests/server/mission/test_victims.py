@@ -47,7 +47,7 @@ def test_a_victim_that_turned_out_to_be_another_goes(tmp_path):
 def test_a_judged_victim_and_one_whose_robot_is_absent_stay(tmp_path):
     async def scenario(victims, board, store):
         await victims.take([seen("v1"), seen("v2", ("r1", "r2")), seen("v3")], set())
-        await victims.judge("v3", "reached", None, "Ada")
+        await victims.say("v3", {"status": "reached"}, "Ada")
         await victims.take([], {"r2"})
         assert [victim.victim_id for victim in victims.all()] == ["v2", "v3"]
         await victims.take([seen("v2")], set())
@@ -60,10 +60,11 @@ def test_what_a_person_says_meanwhile_is_not_lost(tmp_path):
     async def scenario(victims, board, store):
         await victims.take([seen("v1")], set())
         await asyncio.gather(
-            victims.take([seen("v1", x_m=5.0)], set()), victims.judge("v1", "confirmed", "waves", "Ada")
+            victims.take([seen("v1", x_m=5.0)], set()),
+            victims.say("v1", {"status": "confirmed", "note": "waves"}, "Ada"),
         )
         for victim in (victims.get("v1"), (await store.findings.victims_of("m"))[0]):
-            assert (victim.status, victim.note, victim.by, victim.place.x_m) == (
+            assert (victim.said.status, victim.said.note, victim.said.by, victim.place.x_m) == (
                 "confirmed",
                 "waves",
                 "Ada",

@@ -57,12 +57,12 @@ export class HoldButton extends Component {
     const { label, name, kind = "", disabled } = this.props;
     const { holding, hint } = this.state;
     return html`<button type="button" class=${`hold ${kind}`} data-holding=${holding ? "" : null} disabled=${disabled}
-      aria-label=${name} title="Hold to fire" onPointerDown=${(/** @type {PointerEvent} */ event) => {
+      aria-label=${name} title="Press and hold" onPointerDown=${(/** @type {PointerEvent} */ event) => {
         if (event.button === 0) this.begin();
       }} onPointerUp=${() => this.end()} onPointerLeave=${() => this.end()} onPointerCancel=${() => this.end()}
       onKeyDown=${(/** @type {KeyboardEvent} */ event) => this.key(event)}
       onKeyUp=${(/** @type {KeyboardEvent} */ event) => this.key(event)} onBlur=${() => this.end()}
       onContextMenu=${(/** @type {Event} */ event) => event.preventDefault()} onClick=${() => this.click()}>
-      <span>${hint ? "Hold" : label}</span></button>`;
+      <span>${hint ? "Press longer" : label}</span></button>`;
   }
 }

@@ -3,6 +3,7 @@
 import { robotColor } from "./color.js";
 import { ellipse } from "./format.js";
 import { drawFrontiers } from "./frontiers.js";
+import { drawAreas } from "./notes.js";
 
 /** @import {Store} from "./store.js" */
 /** @import {View} from "./canvas_layer.js" */
@@ -52,6 +53,7 @@ export const drawInk = (store) =>
   (ctx, view) => {
     ctx.lineJoin = ctx.lineCap = "round";
     if (store.layers.links) drawLinks(ctx, view, store);
+    if (store.layers.notes) drawAreas(ctx, view, store);
     if (store.layers.trails) drawTrails(ctx, view, store);
     if (store.layers.frontiers && !store.best.isShown) drawFrontiers(ctx, view, store);
     if (store.layers.plans) drawPlan(ctx, view, store);

@@ -4,9 +4,9 @@ import { learnWho } from "./account.js";
 import { ApiError, request } from "./api.js";
 import { AlertList, TagCard } from "./alerts.js";
 import { attachDivider } from "./divider.js";
+import { EventFeed } from "./events.js";
 import { isOpen } from "./node_sensors.js";
 import { Plan } from "./plan.js";
-import { EventFeed, VictimList } from "./reports.js";
 import { RobotList } from "./robot_list.js";
 import { Scene } from "./scene.js";
 import { PlanTools } from "./stage.js";
@@ -15,6 +15,7 @@ import { Store } from "./store.js";
 import { Stream } from "./stream.js";
 import { Banners, TopBar, Veil } from "./top_bar.js";
 import { html, render } from "./vendor.js";
+import { inboxKey, standing, VictimInbox } from "./victims.js";
 
 const MISSIONS_MS = 5000;
 const SHORTEST_RENDER_MS = 80;
@@ -98,7 +99,7 @@ function Tabs() {
 
 /** What waits on a tab: victims, or alerts that nobody has taken note of. @param {string} tab */
 function countOf(tab) {
-  return { victims: store.victims.size, events: [...store.alerts.values()].filter(isOpen).length }[tab] ?? 0;
+  return { victims: standing(store).length, events: [...store.alerts.values()].filter(isOpen).length }[tab] ?? 0;
 }
 
 function Notices() {
@@ -124,7 +125,7 @@ function renderPanels() {
   render(html`<${RobotList} store=${store} stops=${stops} onSelect=${select("robot")} />`, element("robots"));
   render(html`
     <section id="alerts" aria-label="Alerts"><${AlertList} store=${store} onSelect=${show} /></section>
-    <section id="victims" aria-label="Victims"><${VictimList} store=${store} onSelect=${select("victim")} /></section>
+    <section id="victims" aria-label="Victims"><${VictimInbox} store=${store} onSelect=${select("victim")} /></section>
     <section id="events" aria-label="Events"><${EventFeed} store=${store} onSelect=${select("robot")} /></section>`,
     element("reports"));
   render(html`<${PlanTools} store=${store} plan=${plan} /><${TagCard} store=${store} />`, element("plan-tools"));
@@ -155,6 +156,7 @@ addEventListener("keydown", (event) => {
   if (event.key === "f") plan.fit();
   else if (event.key === "b") store.best.isShown ? store.best.showLive() : store.best.show();
   else if (event.key === "Escape") store.select(null);
+  else inboxKey(store, event.key, select("victim"));
 });
 
 setInterval(() => store.changed(), TICK_MS);

@@ -4,6 +4,7 @@ import { robotColor } from "./color.js";
 import { ellipse, percent } from "./format.js";
 import { alarming, ALERT_KINDS, alertByTag, isOpen } from "./node_sensors.js";
 import { L } from "./vendor.js";
+import { NOTE_KINDS, placeOf } from "./notes.js";
 import { statusOf } from "./victim_status.js";
 
 /** @import {Alert, Annotation, Robot, Victim} from "./types.js" */
@@ -21,7 +22,7 @@ export class Marks {
   /**
    * @param {import("leaflet").Map} map
    * @param {Store} store
-   * @param {(selected: {kind: "robot" | "victim" | "tag", id: string}) => void} onSelect
+   * @param {(selected: {kind: "robot" | "victim" | "tag" | "note", id: string}) => void} onSelect
    */
   constructor(map, store, onSelect) {
     this.map = map;
@@ -39,7 +40,9 @@ export class Marks {
     const wanted = new Set();
     const { robots, victims } = store.shown;
     for (const robot of robots.values()) wanted.add(this.#robot(robot));
-    if (store.layers.victims) for (const victim of victims.values()) wanted.add(this.#victim(victim));
+    if (store.layers.victims) {
+      for (const victim of victims.values()) if (!victim.merged_into) wanted.add(this.#victim(victim));
+    }
     if (store.layers.sensors) for (const alert of alertByTag(store).values()) wanted.add(this.#alert(alert));
     if (store.layers.notes) {
       for (const [id, annotation] of store.annotations) wanted.add(this.#note(id, annotation));
@@ -123,14 +126,15 @@ export class Marks {
    */
   #note(id, annotation) {
     const tag = annotation.tag_id ? this.store.shown.tags.get(annotation.tag_id) : undefined;
-    const x_m = annotation.x_m ?? tag?.x_m;
-    const y_m = annotation.y_m ?? tag?.y_m;
+    const [x_m, y_m] = placeOf(annotation, tag);
     const key = `note/${id}`;
     if (x_m == null || y_m == null) return null;
-    const mark = this.marks.get(key) ?? this.#add(key, "note", noteShape(), null);
+    const mark = this.marks.get(key) ?? this.#add(key, "note", noteShape(), () =>
+      this.onSelect({ kind: "note", id }));
+    mark.root.classList.toggle("selected", this.store.selected?.kind === "note" && this.store.selected.id === id);
     mark.root.dataset.kind = annotation.kind;
     mark.parts.name.textContent = annotation.text || annotation.kind;
-    mark.parts.glyph.textContent = { hazard: "!", searched: "✓", victim: "+" }[annotation.kind] ?? "i";
+    mark.parts.glyph.textContent = NOTE_KINDS[annotation.kind]?.glyph ?? "i";
     mark.root.setAttribute("aria-label", `${annotation.kind}: ${annotation.text}`);
     this.#moveTo(mark, [x_m, y_m, 0]);
     return key;

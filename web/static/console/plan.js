@@ -5,6 +5,7 @@ import { canvasLayer } from "./canvas_layer.js";
 import { drawGround, drawInk } from "./ink.js";
 import { Marks } from "./marks.js";
 import { drawEnds } from "./map_switch.js";
+import { addCorner } from "./notes.js";
 import { pickPlace } from "./robot_orders.js";
 import { L } from "./vendor.js";
 
@@ -68,6 +69,7 @@ export class Plan {
     this.map.on("mousemove", (event) => this.#point(event.latlng));
     this.map.on("click", (event) => {
       if (pickPlace(store, { x_m: event.latlng.lng, y_m: event.latlng.lat })) return;
+      if (addCorner(store, [event.latlng.lng, event.latlng.lat])) return;
       const id = this.#tagAt(event.latlng, CLICK_PX);
       if (id) store.select({ kind: "tag", id });
     });
@@ -80,7 +82,7 @@ export class Plan {
   }
 
   update() {
-    this.map.getContainer().classList.toggle("picking", this.store.picking !== null);
+    this.map.getContainer().classList.toggle("picking", this.store.picking !== null || this.store.draft?.isArea === true);
     this.building.update();
     this.best.update();
     this.marks.update();

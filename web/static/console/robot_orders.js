@@ -69,15 +69,15 @@ function change(store, robotId, changed) {
 }
 
 /**
- * Send the robot that is waiting for a click to a place; say whether there was one.
+ * Hand a place on the plan to whatever waits for one; say whether anything did.
  * @param {Store} store
  * @param {{x_m: number, y_m: number}} place
  */
 export function pickPlace(store, place) {
   if (!store.picking) return false;
-  const { robotId, kind } = store.picking;
+  const { then } = store.picking;
   store.picking = null;
-  order(store, robotId, kind, { x_m: Number(place.x_m.toFixed(2)), y_m: Number(place.y_m.toFixed(2)) });
+  then({ x_m: Number(place.x_m.toFixed(2)), y_m: Number(place.y_m.toFixed(2)) });
   return true;
 }
 
@@ -96,7 +96,7 @@ export function RobotOrders({ robot, store }) {
   const button = (kind, label) => html`<button type="button" onClick=${() => order(store, id, kind)}>${label}</button>`;
   /** @param {"go_to" | "explore_here"} kind @param {string} label */
   const picker = (kind, label) => html`<button type="button"
-    aria-pressed=${store.picking?.robotId === id && store.picking.kind === kind}
+    aria-pressed=${store.picking?.id === id && store.picking.kind === kind}
     onClick=${() => pick(store, id, kind)}>${label}</button>`;
   return html`
     <div class="robot-orders">
@@ -104,7 +104,7 @@ export function RobotOrders({ robot, store }) {
         ${button("return", "Return")}${isHeld ? button("resume", "Resume") : button("hold", "Hold")}
         ${picker("go_to", "Go to…")}${picker("explore_here", "Explore here…")}${button("drop_tag", "Drop tag")}
       </div>
-      ${store.picking?.robotId === id && html`<p class="order-state" role="status">
+      ${store.picking?.id === id && html`<p class="order-state" role="status">
         Click on the plan: that is where ${id} goes.</p>`}
       <p class="order-state">Its own map holds ${fixed(robot.explored_m2, 0)} m², ${
         percent(shareOf(robot, store))} of what the team has explored.</p>
@@ -136,7 +136,7 @@ function Latest({ order }) {
  * @param {"go_to" | "explore_here"} kind
  */
 function pick(store, robotId, kind) {
-  const isAgain = store.picking?.robotId === robotId && store.picking.kind === kind;
-  store.picking = isAgain ? null : { robotId, kind };
+  const isAgain = store.picking?.id === robotId && store.picking.kind === kind;
+  store.picking = isAgain ? null : { id: robotId, kind, then: (place) => order(store, robotId, kind, place) };
   store.changed();
 }

@@ -2,6 +2,7 @@
 
 import { fixed } from "./format.js";
 import { BestWords, MapSwitch } from "./map_switch.js";
+import { NoteCard, NoteTool } from "./notes.js";
 import { LAYERS } from "./store.js";
 import { Component, html } from "./vendor.js";
 
@@ -17,6 +18,7 @@ export function PlanTools({ store, plan }) {
     <div class="tools tools-left">
       <${MapSwitch} store=${store} />
       <${LayerMenu} store=${store} />
+      <${NoteTool} store=${store} />
     </div>
     <div class="tools tools-right">
       <svg class="north" viewBox="0 0 48 48" role="img" aria-label="North is to the right">
@@ -38,6 +40,7 @@ export function PlanTools({ store, plan }) {
       ${noticeAt(plan, store) && html`<span class="tag-notice">${noticeAt(plan, store)}</span>`}
     </div>
     <${BestWords} store=${store} />
+    <${NoteCard} store=${store} />
     <${PlanWords} store=${store} />`;
 }
 

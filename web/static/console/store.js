@@ -74,13 +74,16 @@ export class Store {
     this.connection = { state: "loading", heardAt: Date.now(), attempt: 0, retryAt: 0, reason: "" };
     /** Difference between the server's clock and ours, in seconds. */
     this.clockOffset_s = 0;
-    /** @type {{kind: "robot" | "victim" | "tag", id: string} | null} */
+    /** @type {{kind: "robot" | "victim" | "tag" | "note", id: string} | null} */
     this.selected = null;
     /** @type {Map<number, {text: string, level: "warning" | "alarm"}>} */
     this.notices = new Map();
     this.exploredM2 = 0;
-    /** What the next click on the plan sends a robot to. @type {{robotId: string, kind: "go_to" | "explore_here"} | null} */
+    /** What the next click on the plan is for: whom it is about, and what is done with the place. */
+    /** @type {{id: string, kind: string, then: (place: {x_m: number, y_m: number}) => void} | null} */
     this.picking = null;
+    /** What is being written on the map. @type {import("./notes.js").Draft | null} */
+    this.draft = null;
     const kept = readPreferences();
     /** @type {Record<string, boolean>} */
     this.layers = Object.fromEntries(
@@ -175,7 +178,7 @@ export class Store {
     return { link: isLost ? "lost" : isLate ? "late" : robot.link, age_s };
   }
 
-  /** @param {{kind: "robot" | "victim" | "tag", id: string} | null} selected */
+  /** @param {{kind: "robot" | "victim" | "tag" | "note", id: string} | null} selected */
   select(selected) {
     this.selected = selected;
     this.changed();

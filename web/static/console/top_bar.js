@@ -7,6 +7,7 @@ import { HoldButton } from "./hold_button.js";
 import { isOpen } from "./node_sensors.js";
 import { ResumeButton } from "./robot_list.js";
 import { html } from "./vendor.js";
+import { standing } from "./victims.js";
 
 /** @import {Store} from "./store.js" */
 /** @import {StopControl} from "./stop_control.js" */
@@ -27,7 +28,7 @@ const CONNECTIONS = {
 export function TopBar({ store, stops, onMission, onView }) {
   const robots = [...store.robots.values()];
   const live = robots.filter((robot) => store.linkOf(robot).link === "live").length;
-  const open = [...store.victims.values()].filter((victim) => victim.status !== "dismissed").length;
+  const open = standing(store).filter((victim) => victim.status !== "dismissed").length;
   const alerts = [...store.alerts.values()].filter(isOpen).length;
   const { state } = store.connection;
   return html`

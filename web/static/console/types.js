@@ -24,9 +24,13 @@
  *   victim_id: string | null, severity: "info" | "warning" | "alarm", raised_unix_s: number, over_unix_s: number | null,
  *   acknowledged_by: string, acknowledged_unix_s: number | null}} Alert
  * @typedef {{victim_id: string, x_m: number, y_m: number, covariance: number[], confidence: number, status: string,
- *   sightings: number, robots: string[], note?: string | null}} Victim
+ *   sightings: number, robots: string[], note: string, team: string, live: number | null, dead: number | null,
+ *   start: Start, triage: string, place_m: [number, number] | null, merged_into: string | null, by: string,
+ *   changed_unix_s: number | null}} Victim
+ * @typedef {{walks: boolean | null, breaths_per_min: number | null, breathes_after_airway: boolean | null,
+ *   pulse: boolean | null, obeys: boolean | null}} Start
  * @typedef {{annotation_id?: string, kind: string, text: string, x_m?: number | null, y_m?: number | null,
- *   tag_id?: string | null, by?: string}} Annotation
+ *   tag_id?: string | null, area_m: [number, number][], by: string, changed_unix_s: number}} Annotation
  * @typedef {{version: number, width: number, height: number, resolution_m: number, origin_m: [number, number],
  *   png: string}} MapInfo
  * @typedef {{state: "none" | "solving" | "ready" | "failed", reason: string, asked_unix_s: number | null,

@@ -1,0 +1,82 @@
+"""How far it is through ground that others have covered to ground that nobody has told of.
+
+Nothing is known of the walls there, so the way is a lower bound: through claimed ground in any direction, and
+from closed cells to unseen ones never, since there a wall stands between.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from robots.exploration.claims import LATTICE_M, Survey
+from robots.planning.plan_grid import FREE, OCCUPIED, PlanGrid
+from robots.se2 import Array
+from robots.tags.memory import CLOSED, OPEN
+
+_KNOWN, _TOLD, _RIM, _NEWS, _WALL = 0, 1, 2, 3, 4
+
+
+def ways_beyond(grid: PlanGrid, survey: Survey, cells: NDArray[np.int64], most_m: float) -> Array:
+    """Return the way from cells (n, 2) of a grid to the next ground nobody has told of, (n,), in metres.
+
+    ``most_m`` where it is farther, or where others have told of all that can be reached.
+    """
+    if not (survey.claimed == CLOSED).any() or len(cells) == 0:
+        return np.zeros(len(cells))
+    kinds = _kinds(grid.cells, survey.claimed, grid.cell_m / LATTICE_M)
+    ways = _flood(kinds, most_m / grid.cell_m)
+    found: Array = ways[cells[:, 0], cells[:, 1]] * grid.cell_m
+    return found
+
+
+@njit(cache=True)
+def _kinds(cells: NDArray[np.uint8], claimed: NDArray[np.uint8], per_cell: float) -> NDArray[np.uint8]:
+    """Return what each cell of the grid is to this robot and those it has read."""
+    kinds = np.empty(cells.shape, np.uint8)
+    for r in range(cells.shape[0]):
+        for c in range(cells.shape[1]):
+            if cells[r, c] == FREE:
+                kinds[r, c] = _KNOWN
+            elif cells[r, c] == OCCUPIED:
+                kinds[r, c] = _WALL
+            else:
+                told = claimed[int((r + 0.5) * per_cell), int((c + 0.5) * per_cell)]
+                kinds[r, c] = _TOLD if told == CLOSED else _RIM if told == OPEN else _NEWS
+    return kinds
+
+
+@njit(cache=True)
+def _flood(kinds: NDArray[np.uint8], most: float) -> Array:
+    """Return the way from each cell to the nearest news, in cells, by sweeps until nothing changes.
+
+    From known ground into news or told ground, through told ground to its rim, never from it into news.
+    """
+    rows, columns = kinds.shape
+    ways = np.full((rows, columns), most)
+    for r in range(rows):
+        for c in range(columns):
+            if kinds[r, c] == _NEWS or kinds[r, c] == _RIM:
+                ways[r, c] = 0.0
+    changed = True
+    while changed:
+        changed = False
+        for sweep in range(4):
+            for i in range(rows):
+                r = i if sweep & 1 == 0 else rows - 1 - i
+                for j in range(columns):
+                    c = j if sweep & 2 == 0 else columns - 1 - j
+                    kind = kinds[r, c]
+                    if kind in (_NEWS, _RIM, _WALL):
+                        continue
+                    best = ways[r, c]
+                    for v in range(max(0, r - 1), min(rows, r + 2)):
+                        for u in range(max(0, c - 1), min(columns, c + 2)):
+                            if kinds[v, u] == _WALL or (kind == _TOLD and kinds[v, u] == _NEWS):
+                                continue
+                            best = min(best, ways[v, u] + (1.41 if v != r and u != c else 1.0))
+                    if best < ways[r, c] - 1e-9:
+                        ways[r, c] = best
+                        changed = True
+    return ways

@@ -1,0 +1,146 @@
+/** What people write on the map: hazards, notes, searched ground, victims; at a point, at a tag, or over an area. */
+
+import { missionPath, request } from "./api.js";
+import { timeOfDay } from "./format.js";
+import { html } from "./vendor.js";
+
+/** @import {Annotation, Tag} from "./types.js" */
+/** @import {Store} from "./store.js" */
+/** @import {View} from "./canvas_layer.js" */
+/** @typedef {{kind: string, text: string, isArea: boolean, corners: [number, number][]}} Draft */
+
+/** @type {Record<string, {label: string, glyph: string, fill: string}>} */
+export const NOTE_KINDS = {
+  hazard: { label: "Hazard", glyph: "!", fill: "255, 190, 77" },
+  note: { label: "Note", glyph: "i", fill: "207, 218, 232" },
+  searched: { label: "Searched", glyph: "✓", fill: "69, 214, 160" },
+  victim: { label: "Victim", glyph: "+", fill: "255, 90, 95" },
+};
+
+/** Where a note stands: its point, its tag, or the middle of its area. @param {Annotation} note @param {Tag | undefined} tag */
+export function placeOf(note, tag) {
+  if (note.area_m.length) {
+    return [0, 1].map((axis) => note.area_m.reduce((sum, corner) => sum + corner[axis], 0) / note.area_m.length);
+  }
+  return [note.x_m ?? tag?.x_m, note.y_m ?? tag?.y_m];
+}
+
+/** @param {Store} store @param {Draft} draft @param {object} place */
+async function write(store, draft, place) {
+  store.draft = null;
+  store.changed();
+  const id = crypto.randomUUID?.() ?? uuid();
+  try {
+    await request("PUT", `${missionPath(store.missionId ?? "")}/annotations/${id}`, { kind: draft.kind, text: draft.text.trim(), ...place });
+  } catch (error) {
+    store.draft = draft; // nothing of what was typed is lost
+    store.notify(`Not written on the map. ${/** @type {Error} */ (error).message}`);
+  }
+}
+
+/** A random id where the page has no secure context, as over plain HTTP in a field network. */
+function uuid() {
+  const bytes = crypto.getRandomValues(new Uint8Array(16));
+  bytes[6] = (bytes[6] & 0x0f) | 0x40;
+  bytes[8] = (bytes[8] & 0x3f) | 0x80;
+  const hex = [...bytes].map((byte) => byte.toString(16).padStart(2, "0")).join("");
+  return [hex.slice(0, 8), hex.slice(8, 12), hex.slice(12, 16), hex.slice(16, 20), hex.slice(20)].join("-");
+}
+
+/** A click on the plan while an area is being drawn. @param {Store} store @param {[number, number]} corner */
+export function addCorner(store, corner) {
+  if (!store.draft?.isArea) return false;
+  store.draft.corners.push([Number(corner[0].toFixed(2)), Number(corner[1].toFixed(2))]);
+  store.changed();
+  return true;
+}
+
+/** @param {{store: Store}} props */
+export function NoteTool({ store }) {
+  const { draft } = store;
+  const open = () => {
+    store.draft = draft ? null : { kind: "hazard", text: "", isArea: false, corners: [] };
+    if (store.picking?.kind === "note") store.picking = null;
+    store.changed();
+  };
+  return html`<button type="button" class="tool" aria-expanded=${draft !== null} disabled=${!store.mission}
+      onClick=${open}>Note</button>
+    ${draft && html`<${DraftForm} store=${store} draft=${draft} />`}`;
+}
+
+/** @param {{store: Store, draft: Draft}} props */
+function DraftForm({ store, draft }) {
+  const tag = store.selected?.kind === "tag" ? store.selected.id : null;
+  const isPicking = store.picking?.kind === "note";
+  const onPlan = () => {
+    draft.isArea = false;
+    store.picking = isPicking ? null : { id: "", kind: "note", then: (place) => write(store, draft, place) };
+    store.changed();
+  };
+  const asArea = () => {
+    store.picking = null;
+    Object.assign(draft, { isArea: !draft.isArea, corners: [] });
+    store.changed();
+  };
+  return html`<div class="draft" role="group" aria-label="Write on the map">
+    <div class="draft-kinds">${Object.entries(NOTE_KINDS).map(([kind, { label, glyph }]) => html`<button type="button"
+      aria-pressed=${draft.kind === kind} onClick=${() => { draft.kind = kind; store.changed(); }}>${glyph} ${label}</button>`)}</div>
+    <input aria-label="What it says" maxlength="2000" placeholder="What it says" value=${draft.text}
+      onInput=${(/** @type {any} */ event) => (draft.text = event.currentTarget.value)} />
+    <div class="draft-kinds">
+      <button type="button" aria-pressed=${isPicking} onClick=${onPlan}>At a point…</button>
+      <button type="button" aria-pressed=${draft.isArea} onClick=${asArea}>Over an area…</button>
+      ${tag && html`<button type="button" onClick=${() => write(store, draft, { tag_id: tag })}>At tag ${tag}</button>`}
+    </div>
+    ${isPicking && html`<p role="status">Click on the plan: that is where it is.</p>`}
+    ${draft.isArea && html`<p role="status">Click on its corners one after the other (${draft.corners.length} so far).</p>
+      <button type="button" disabled=${draft.corners.length < 3}
+        onClick=${() => write(store, draft, { area_m: draft.corners })}>Close the area</button>`}</div>`;
+}
+
+/** What the selected note says, and taking it away. @param {{store: Store}} props */
+export function NoteCard({ store }) {
+  if (store.selected?.kind !== "note") return null;
+  const { id } = store.selected;
+  const note = store.annotations.get(id);
+  if (!note) return null;
+  const remove = async () => {
+    try {
+      await request("DELETE", `${missionPath(store.missionId ?? "")}/annotations/${id}`);
+      store.select(null);
+    } catch (error) {
+      store.notify(`Not removed. ${/** @type {Error} */ (error).message}`);
+    }
+  };
+  return html`<section class="tag-card" aria-label=${NOTE_KINDS[note.kind]?.label ?? note.kind}>
+    <header><h3>${NOTE_KINDS[note.kind]?.label ?? note.kind}</h3>
+      <button type="button" aria-label="Close" onClick=${() => store.select(null)}>×</button></header>
+    ${note.text && html`<p>${note.text}</p>`}
+    <p class="hint-line">By ${note.by} at ${timeOfDay(note.changed_unix_s)}${note.tag_id && `, at tag ${note.tag_id}`}.</p>
+    <button type="button" onClick=${remove}>Remove</button></section>`;
+}
+
+/**
+ * Areas, and the one that is being drawn.
+ * @param {CanvasRenderingContext2D} ctx
+ * @param {View} view
+ * @param {Store} store
+ */
+export function drawAreas(ctx, view, store) {
+  const drawn = [...store.annotations.values()].map(({ kind, area_m }) => ({ kind, corners: area_m }));
+  if (store.draft?.isArea) drawn.push(store.draft);
+  for (const { kind, corners } of drawn) {
+    if (!corners.length) continue;
+    const { fill } = NOTE_KINDS[kind] ?? NOTE_KINDS.note;
+    ctx.beginPath();
+    corners.forEach(([x_m, y_m], k) => ctx[k ? "lineTo" : "moveTo"](view.toX(x_m), view.toY(y_m)));
+    ctx.closePath();
+    ctx.fillStyle = `rgba(${fill}, 0.16)`;
+    ctx.fill();
+    ctx.strokeStyle = `rgba(${fill}, 0.9)`;
+    ctx.lineWidth = 1.5;
+    ctx.setLineDash([6, 4]);
+    ctx.stroke();
+    ctx.setLineDash([]);
+  }
+}
