@@ -6,7 +6,7 @@ overrules it: claims only speak of ground that is unknown in its own map.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -30,6 +30,12 @@ class KnownTag:
     place_m: tuple[float, float]
     memory: TagMemory
     read_s: float
+
+
+def driven(tags: Sequence[KnownTag]) -> Array:
+    """Return where robots drove, as tags tell it, (n, 2) in the map frame: there are tags to be read."""
+    found = [tag.memory.visited_m + np.array(tag.place_m) for tag in tags]
+    return np.concatenate([np.zeros((0, 2)), *found])
 
 
 class Claims:

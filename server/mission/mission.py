@@ -40,6 +40,7 @@ from server.mission.relay import Relay
 from server.mission.replies import fresh_of, reply_to
 from server.mission.robot_alerts import RobotAlerts
 from server.mission.roster import Roster
+from server.mission.routes import Routes
 from server.mission.senders import Senders
 from server.mission.shared_map import SharedMap
 from server.mission.stops import Stops
@@ -68,6 +69,7 @@ class Mission:
         self.board = Board()
         self.events = Events(store, mission_id, self.board)
         self.presence = Presence(self.board)
+        self.routes = Routes(self.board)
         self.annotations = Annotations(store, mission_id, self.board)
         self.alerts = Alerts(store, mission_id, self.board, self.events)
         self.evacuation = Evacuation(store, mission_id, self.board, self.events)

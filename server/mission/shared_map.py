@@ -54,6 +54,11 @@ class SharedMap:
         """The process that holds the team map now."""
         return self._team.pid
 
+    @property
+    def grid(self) -> TeamGrid | None:
+        """The latest fused map; None before the first."""
+        return self._grid
+
     async def restore(self) -> None:
         """Show the tags of the database; the map itself comes when the agents have caught up."""
         tags = await self._store.tags.tags_of(self._mission_id)

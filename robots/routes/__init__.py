@@ -1,0 +1,1 @@
+"""Ways for people: from tag to tag along where robots really drove, in words that need no map."""

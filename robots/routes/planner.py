@@ -1,0 +1,121 @@
+"""The best route over ways that were driven: Dijkstra 1959 over tags."""
+
+from __future__ import annotations
+
+import heapq
+from collections import defaultdict
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from robots.routes.ways import Way, shortest_ways
+from robots.se2 import Array
+
+_HAZARD_REACH_M = 2.0
+_HAZARD_COST_M = 50.0  # so long a detour is better than passing a hazard
+
+
+class NoRouteError(ValueError):
+    """There is no such route; the message says why and what to do."""
+
+
+@dataclass(frozen=True, slots=True)
+class Hazard:
+    """Something to keep away from: a point, or the corners of an area, in the world frame."""
+
+    text: str
+    points_m: tuple[tuple[float, float], ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Leg:
+    """One way of a route; ``hazards`` it passes, ``sd_m`` how well its ends are known to each other."""
+
+    way: Way
+    hazards: tuple[str, ...] = ()
+    sd_m: float = 0.0
+
+
+class RouteMap:
+    """Tags and the ways between them. ``sds_m``: how well each tag's place is known."""
+
+    def __init__(
+        self, ways: Iterable[Way], sds_m: Mapping[str, float] | None = None, hazards: Sequence[Hazard] = ()
+    ) -> None:
+        self._ways = shortest_ways(ways)
+        self._sds_m = sds_m or {}
+        self._next: dict[str, list[tuple[str, float]]] = defaultdict(list)
+        self._hazards: dict[tuple[str, str], tuple[str, ...]] = {}
+        for key, way in self._ways.items():
+            found = tuple(hazard.text for hazard in hazards if _is_near(way.points_m, hazard))
+            self._hazards[key] = found
+            self._next[key[0]].append((key[1], way.length_m + _HAZARD_COST_M * len(found)))
+
+    @property
+    def tags(self) -> frozenset[str]:
+        """The tags that a way leads to."""
+        return frozenset(self._next)
+
+    def route(
+        self, from_tag: str, to_tags: Iterable[str], ends_m: Mapping[str, float] | None = None
+    ) -> list[Leg]:
+        """Return the best route to one of some tags; ``ends_m`` is what is still to go from each of them.
+
+        Raises:
+            NoRouteError: no robot has driven from there to any of them.
+        """
+        ends = {tag: 0.0 if ends_m is None else ends_m[tag] for tag in to_tags}
+        costs, before = {from_tag: 0.0}, dict[str, str]()
+        done: set[str] = set()
+        best: tuple[float, str] | None = None
+        queue = [(0.0, from_tag)]
+        while queue:
+            cost, tag = heapq.heappop(queue)
+            if best is not None and cost >= best[0]:
+                break
+            if tag in done:
+                continue
+            done.add(tag)
+            if tag in ends and (best is None or (cost + ends[tag], tag) < best):
+                best = cost + ends[tag], tag
+            for other, step in self._next.get(tag, ()):
+                total = cost + step
+                if total < costs.get(other, np.inf):
+                    costs[other], before[other] = total, tag
+                    heapq.heappush(queue, (total, other))
+        if best is None:
+            raise NoRouteError(f"no robot has driven from tag {from_tag} to there yet; read another tag")
+        tags = [best[1]]
+        while tags[-1] != from_tag:
+            tags.append(before[tags[-1]])
+        tags.reverse()
+        return [self._leg(a, b) for a, b in pairwise(tags)]
+
+    def _leg(self, a: str, b: str) -> Leg:
+        sd_m = float(np.hypot(self._sds_m.get(a, 0.0), self._sds_m.get(b, 0.0)))
+        return Leg(self._ways[a, b], self._hazards[a, b], sd_m)
+
+
+def _is_near(points_m: Array, hazard: Hazard) -> bool:
+    """Say whether a way comes within reach of a hazard."""
+    steps = [np.linspace(a, b, max(2, int(np.hypot(*(b - a)) / 0.5) + 1)) for a, b in pairwise(points_m)]
+    line = np.vstack(steps) if steps else points_m
+    corners = np.array(hazard.points_m)
+    if len(corners) >= 3 and _inside(line, corners).any():
+        return True
+    far = np.hypot(*(line[:, None] - corners[None]).transpose(2, 0, 1))
+    return bool(far.min() < _HAZARD_REACH_M)
+
+
+def _inside(points_m: Array, corners: Array) -> Array:
+    """Say which points (n, 2) lie in a polygon: a ray from them crosses its sides an odd number of times."""
+    x, y = points_m[:, :1], points_m[:, 1:]
+    x0, y0 = corners.T
+    x1, y1 = np.roll(corners, -1, axis=0).T
+    with np.errstate(divide="ignore", invalid="ignore"):
+        crosses = (y0 > y) != (y1 > y)
+        at = x0 + (y - y0) * (x1 - x0) / (y1 - y0)
+    odd: Array = (crosses & (x < at)).sum(axis=1) % 2 == 1
+    return odd

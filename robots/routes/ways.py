@@ -1,0 +1,112 @@
+"""Ways between tags: the pieces of trails from one tag to the next that was passed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from robots.se2 import Array
+
+PASSED_M = 0.75  # a trail that comes so near to a tag passes it
+_BENDS_M = 0.5  # bends smaller than this are no bends to a person
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Way:
+    """A way that was driven: ``points_m`` (n, 2) in the world frame, with both tags at its ends."""
+
+    from_tag: str
+    to_tag: str
+    points_m: Array
+
+    @property
+    def length_m(self) -> float:
+        """How long it is."""
+        return length(self.points_m)
+
+    def reversed(self) -> Way:
+        """Return the way back."""
+        return Way(self.to_tag, self.from_tag, self.points_m[::-1])
+
+
+def length(points_m: Array) -> float:
+    """Return the length of a line of points (n, 2)."""
+    return float(np.hypot(*np.diff(points_m, axis=0).T).sum())
+
+
+def ways_along(trail_m: Array, tags: Mapping[str, tuple[float, float]]) -> list[Way]:
+    """Return the ways of a trail (k, 2) between the tags it passes, in the order in which it passes them.
+
+    A tag counts as passed where the trail is nearest to it, once for each time that it comes near. A trail
+    has no gap: whoever was carried off begins another.
+    """
+    names = sorted(tags)
+    if len(names) < 2 or len(trail_m) < 2:
+        return []
+    trail_m = np.asarray(trail_m, float)
+    places = np.array([tags[name] for name in names])
+    passed: list[tuple[int, int]] = []  # index on the trail, index of the tag
+    for tag, near in enumerate(cKDTree(trail_m).query_ball_point(places, PASSED_M)):
+        for visit in _visits(sorted(near)):
+            far = np.hypot(*(trail_m[visit] - places[tag]).T)
+            passed.append((visit[int(far.argmin())], tag))
+    passed.sort()
+    ways = []
+    for (i, a), (j, b) in pairwise(passed):
+        if a != b:
+            points = np.vstack([places[a], trail_m[i : j + 1], places[b]])
+            ways.append(Way(names[a], names[b], simplified(points, _BENDS_M)))
+    return ways
+
+
+def shortest_ways(ways: Iterable[Way]) -> dict[tuple[str, str], Way]:
+    """Return the shortest way of each pair of tags, in both directions."""
+    best: dict[tuple[str, str], Way] = {}
+    for way in ways:
+        key = way.from_tag, way.to_tag
+        if key not in best or way.length_m < best[key].length_m:
+            best[key], best[key[::-1]] = way, way.reversed()
+    return best
+
+
+def simplified(points_m: Array, within_m: float) -> Array:
+    """Return the line without points that lie within so much of it (Douglas and Peucker 1973); ends stay."""
+    keep = np.zeros(len(points_m), bool)
+    keep[[0, -1]] = True
+    pieces = [(0, len(points_m) - 1)]
+    while pieces:
+        i, j = pieces.pop()
+        if j - i < 2:
+            continue
+        off = _off_line(points_m[i + 1 : j], points_m[i], points_m[j])
+        k = i + 1 + int(off.argmax())
+        if off[k - i - 1] > within_m:
+            keep[k] = True
+            pieces += [(i, k), (k, j)]
+    return points_m[keep]
+
+
+def _visits(indices: list[int]) -> list[list[int]]:
+    """Return runs of indices that follow each other."""
+    runs: list[list[int]] = []
+    for index in indices:
+        if runs and index == runs[-1][-1] + 1:
+            runs[-1].append(index)
+        else:
+            runs.append([index])
+    return runs
+
+
+def _off_line(points_m: Array, start: Array, end: Array) -> Array:
+    """Return the distance of points (n, 2) to the piece from start to end."""
+    along = end - start
+    squared = float(along @ along)
+    share = (
+        np.zeros(len(points_m)) if squared == 0.0 else np.clip((points_m - start) @ along / squared, 0.0, 1.0)
+    )
+    off: Array = np.hypot(*(points_m - start - share[:, None] * along).T)
+    return off

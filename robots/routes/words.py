@@ -1,0 +1,60 @@
+"""Ways in words: how far, which way by the compass, where to turn."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from math import atan2, degrees
+
+import numpy as np
+
+from robots.routes.planner import Leg
+from robots.se2 import Array
+
+_POINTS = ("north", "north-east", "east", "south-east", "south", "south-west", "west", "north-west")
+_STRAIGHT_DEG = 35.0  # a smaller turn is no turn
+_UNCERTAIN_M, _UNCERTAIN_SHARE = 1.0, 0.25
+
+
+def bearing_deg(start: Array, end: Array) -> float:
+    """Return the compass bearing from one point to another, 0 to 360; x points north, y west."""
+    dx, dy = end - start
+    return float(-degrees(atan2(dy, dx)) % 360.0)
+
+
+def compass_point(bearing: float) -> str:
+    """Return the nearest of eight points of the compass."""
+    return _POINTS[round(bearing / 45.0) % 8]
+
+
+def is_uncertain(leg: Leg) -> bool:
+    """Say whether its length and direction are but a guess."""
+    return leg.sd_m > _UNCERTAIN_M or leg.sd_m > _UNCERTAIN_SHARE * leg.way.length_m
+
+
+def leg_text(leg: Leg) -> str:
+    """Return a leg as a sentence: "Go 6 m north, turn left and go 3 m to tag A4."."""
+    points = leg.way.points_m
+    about = "about " if is_uncertain(leg) else ""
+    pieces: list[str] = []
+    before: float | None = None
+    run_m = 0.0
+    for start, end in pairwise(points):
+        bearing, step_m = bearing_deg(start, end), float(np.hypot(*(end - start)))
+        turn = 0.0 if before is None else (bearing - before + 180.0) % 360.0 - 180.0
+        if before is None:
+            pieces.append(f"go {about}{{}} {compass_point(bearing)}")
+        elif abs(turn) > _STRAIGHT_DEG:
+            pieces[-1] = pieces[-1].format(metres(run_m))
+            side = "round" if abs(turn) > 145.0 else "left" if turn < 0.0 else "right"
+            pieces.append(f"turn {side} and go {about}{{}}")
+            run_m = 0.0
+        run_m, before = run_m + step_m, bearing
+    pieces[-1] = pieces[-1].format(metres(run_m))
+    text = ", ".join(pieces) + f" to tag {leg.way.to_tag}"
+    warning = "".join(f" Take care: {hazard}." for hazard in leg.hazards)
+    return f"{text[0].upper()}{text[1:]}.{warning}"
+
+
+def metres(distance_m: float) -> str:
+    """Return a distance as people say it."""
+    return f"{max(1, round(distance_m))} m"

@@ -1,0 +1,64 @@
+"""Routes for people: from a tag to a victim, a note or another tag, in words that need no map."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from fastapi import APIRouter, Query
+
+from robots.routes.planner import Leg
+from robots.routes.words import bearing_deg, is_uncertain, leg_text
+from server.api.common import ERRORS, READS, OneMission
+from server.people.audit import AuditedRoute
+from server.schemas.routes import LastOut, LegOut, RouteOut
+
+router = APIRouter(
+    prefix="/missions/{mission_id}/routes",
+    tags=["routes"],
+    responses=ERRORS,
+    dependencies=READS,
+    route_class=AuditedRoute,
+)
+From = Annotated[str, Query(alias="from", max_length=100, description="The tag you are at.")]
+To = Annotated[str, Query(max_length=120, description="victim:ID, tag:ID or note:ID.")]
+
+
+@router.get("", summary="The way there", operation_id="get_route")
+async def get_route(mission: OneMission, from_: From, to: To) -> RouteOut:
+    """Return tags to follow one after the other, each with distance, bearing and what to do in words.
+
+    It runs where robots have driven, round hazards where that is possible, and says where it is uncertain.
+    """
+    route = mission.routes.find(mission.shared_map.grid, from_, to)
+    last = None
+    if route.last is not None:
+        start, end = route.last.points_m
+        last = LastOut(
+            from_tag=route.last.from_tag,
+            distance_m=route.last.length_m,
+            bearing_deg=bearing_deg(start, end),
+            text=route.last_text,
+        )
+    return RouteOut(
+        from_tag=from_,
+        to=to,
+        x_m=route.to_m[0],
+        y_m=route.to_m[1],
+        distance_m=route.distance_m,
+        legs=[_leg(leg) for leg in route.legs],
+        last=last,
+    )
+
+
+def _leg(leg: Leg) -> LegOut:
+    way = leg.way
+    return LegOut(
+        from_tag=way.from_tag,
+        to_tag=way.to_tag,
+        distance_m=way.length_m,
+        bearing_deg=bearing_deg(way.points_m[0], way.points_m[1]),
+        text=leg_text(leg),
+        points_m=[[round(float(x), 2), round(float(y), 2)] for x, y in way.points_m],
+        uncertain=is_uncertain(leg),
+        hazards=list(leg.hazards),
+    )

@@ -1,0 +1,148 @@
+"""Routes for people over a mission's tags, from what everybody sees of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from math import hypot, sqrt
+
+import numpy as np
+
+from robots.routes.planner import Hazard, Leg, NoRouteError, RouteMap
+from robots.routes.sight import is_clear
+from robots.routes.ways import Way, ways_along
+from robots.routes.words import bearing_deg, compass_point, metres
+from robots.team import TeamGrid
+from server.board import Board, Value
+from server.errors import ApiError, unknown
+
+_IN_SIGHT_M = 15.0  # from a tag to what is looked for
+_AT_ONCE = 5  # of the nearest tags in sight, so many are tried
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Route:
+    """Legs from tag to tag, and the last piece from the last tag to a place that is no tag."""
+
+    legs: tuple[Leg, ...]
+    to_m: tuple[float, float]
+    last: Way | None
+    last_text: str
+
+    @property
+    def distance_m(self) -> float:
+        """How long it is in all."""
+        return sum(leg.way.length_m for leg in self.legs) + (0.0 if self.last is None else self.last.length_m)
+
+
+class Routes:
+    """Finds routes; the ways are gathered anew only when tags, trails or notes have changed."""
+
+    def __init__(self, board: Board) -> None:
+        self._board = board
+        self._of: list[Value] = []  # what the roads were made of; values of a board never change in place
+        self._roads = RouteMap([])
+
+    def find(self, grid: TeamGrid | None, from_tag: str, to: str) -> Route:
+        """Return the best route from a tag to ``tag:ID``, ``victim:ID`` or ``note:ID``.
+
+        Raises:
+            ApiError: there is no such thing, or no route to it.
+        """
+        board = self._board
+        now = [value for kind in ("tag", "trail", "annotation") for value in board.of_kind(kind)]
+        if len(now) != len(self._of) or any(a is not b for a, b in zip(now, self._of, strict=True)):
+            self._of, self._roads = now, _roads(board)
+        return _find(board, self._roads, grid, from_tag, to)
+
+
+def _find(board: Board, roads: RouteMap, grid: TeamGrid | None, from_tag: str, to: str) -> Route:
+    tags = {value["tag_id"]: value for value in board.of_kind("tag")}
+    if from_tag not in tags:
+        raise unknown("tag", from_tag)
+    places = {tag_id: (float(v["x_m"]), float(v["y_m"])) for tag_id, v in tags.items()}
+    kind, _, name = to.partition(":")
+    target = _target(board, places, kind, name)
+    try:
+        if kind == "tag":
+            return Route(tuple(roads.route(from_tag, [name])), target, None, "")
+        ends = _ends(grid, places, roads.tags | {from_tag}, target)
+        if not ends:
+            raise NoRouteError(f"no tag lies in sight of {to} yet")
+        legs = roads.route(from_tag, ends, ends)
+    except NoRouteError as error:
+        raise ApiError(409, "no_route", f"There is no route: {error}.", "to") from error
+    last = legs[-1].way.to_tag if legs else from_tag
+    way = Way(last, to, np.array([places[last], target]))
+    bearing = bearing_deg(way.points_m[0], way.points_m[1])
+    text = f"From tag {last} go {metres(way.length_m)} {compass_point(bearing)}: there is {kind} {name}."
+    return Route(tuple(legs), target, way, text)
+
+
+def _target(
+    board: Board, places: dict[str, tuple[float, float]], kind: str, name: str
+) -> tuple[float, float]:
+    if kind == "tag":
+        if name not in places:
+            raise unknown("tag", name)
+        return places[name]
+    key = {"victim": "victim", "note": "annotation"}.get(kind)
+    if key is None:
+        message = "to: name tag:ID, victim:ID or note:ID."
+        raise ApiError(422, "invalid", message, "to")
+    value = board.get(f"{key}/{name}")
+    if value is None:
+        raise unknown(kind, name)
+    place = _place(value, places)
+    if place is None:
+        raise ApiError(409, "no_place", f"Where {to_words(kind, name)} is, is not known yet.", "to")
+    return place
+
+
+def to_words(kind: str, name: str) -> str:
+    """Return what is looked for, in words."""
+    return f"{kind} {name}"
+
+
+def _place(value: Value, places: dict[str, tuple[float, float]]) -> tuple[float, float] | None:
+    if value.get("area_m"):
+        middle = np.mean(value["area_m"], axis=0)
+        return float(middle[0]), float(middle[1])
+    if value.get("x_m") is not None:
+        return float(value["x_m"]), float(value["y_m"])
+    return places.get(value.get("tag_id") or "")
+
+
+def _roads(board: Board) -> RouteMap:
+    tags = {value["tag_id"]: value for value in board.of_kind("tag")}
+    places = {tag_id: (float(v["x_m"]), float(v["y_m"])) for tag_id, v in tags.items()}
+    sound = {tag_id: place for tag_id, place in places.items() if tags[tag_id]["state"] == "sound"}
+    ways: list[Way] = []
+    for trail in board.of_kind("trail"):
+        if len(trail["points_m"]) > 1:
+            ways += ways_along(np.array(trail["points_m"]), sound)
+    sds_m = {tag_id: sqrt(value["covariance"][0] + value["covariance"][2]) for tag_id, value in tags.items()}
+    hazards = []
+    for note in board.of_kind("annotation"):
+        place = _place(note, places)
+        if note["kind"] == "hazard" and place is not None:
+            points = tuple((float(x), float(y)) for x, y in note["area_m"]) or (place,)
+            hazards.append(Hazard(note["text"] or "hazard", points))
+    return RouteMap(ways, sds_m, hazards)
+
+
+def _ends(
+    grid: TeamGrid | None,
+    places: dict[str, tuple[float, float]],
+    names: Iterable[str],
+    target: tuple[float, float],
+) -> dict[str, float]:
+    """Return the tags from which the target can be seen and walked to, with what is still to go."""
+    far = sorted(
+        (hypot(places[name][0] - target[0], places[name][1] - target[1]), name)
+        for name in names
+        if name in places
+    )
+    near = [(distance, name) for distance, name in far if distance <= _IN_SIGHT_M]
+    seen = [(d, name) for d, name in near if grid is None or is_clear(grid, places[name], target)]
+    return {name: distance for distance, name in seen[:_AT_ONCE]}

@@ -1,0 +1,126 @@
+"""Routes: the shortest of all, along what was driven, in words that lead there."""
+
+import itertools
+from math import hypot, inf
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from robots.routes.planner import Hazard, NoRouteError, RouteMap
+from robots.routes.ways import Way, length, shortest_ways, simplified, ways_along
+from robots.routes.words import bearing_deg, compass_point, leg_text
+
+names = st.sampled_from("ABCDEFG")
+places = {name: (float(3 * k % 7), float(5 * k % 11)) for k, name in enumerate("ABCDEFG")}
+
+
+def straight(a: str, b: str) -> Way:
+    return Way(a, b, np.array([places[a], places[b]]))
+
+
+@given(st.lists(st.tuples(names, names).filter(lambda p: p[0] != p[1]), max_size=12), names, names)
+def test_a_route_is_as_short_as_the_best_of_all_walks(pairs, start, goal):
+    ways = shortest_ways(straight(a, b) for a, b in pairs)
+    cost = dict.fromkeys(itertools.product(places, places), inf)
+    cost |= {(a, a): 0.0 for a in places} | {key: way.length_m for key, way in ways.items()}
+    for k, a, b in itertools.product(places, places, places):  # Floyd 1962
+        cost[a, b] = min(cost[a, b], cost[a, k] + cost[k, b])
+    roads = RouteMap(straight(a, b) for a, b in pairs)
+    if cost[start, goal] == inf:
+        with pytest.raises(NoRouteError, match=f"tag {start}"):
+            roads.route(start, [goal])
+        return
+    legs = roads.route(start, [goal])
+    assert sum(leg.way.length_m for leg in legs) == pytest.approx(cost[start, goal])
+    tags = [start, *(leg.way.to_tag for leg in legs)]
+    assert tags[-1] == goal
+    assert all(leg.way.from_tag == tag for leg, tag in zip(legs, tags, strict=False))
+
+
+@given(st.lists(st.tuples(names, names).filter(lambda p: p[0] != p[1]), max_size=12), names, names, names)
+def test_of_several_ends_the_one_that_is_nearest_in_all_is_taken(pairs, start, one, other):
+    roads = RouteMap(straight(a, b) for a, b in pairs)
+    ends = {one: 2.0, other: 5.0}
+
+    def whole(goals):
+        try:
+            legs = roads.route(start, goals, ends)
+        except NoRouteError:
+            return inf
+        last = legs[-1].way.to_tag if legs else start
+        return sum(leg.way.length_m for leg in legs) + ends[last]
+
+    assert whole([one, other]) == pytest.approx(min(whole([one]), whole([other])))
+
+
+@given(
+    st.lists(st.tuples(st.floats(-20, 20), st.floats(-20, 20)), min_size=2, max_size=30), st.floats(0.05, 3)
+)
+def test_a_simplified_line_stays_near_and_keeps_its_ends(points, within):
+    line = np.array(points)
+    found = simplified(line, within)
+    assert (found[0] == line[0]).all()
+    assert (found[-1] == line[-1]).all()
+    assert length(found) <= length(line) + 1e-9
+    for point in line:
+        gaps = []
+        for a, b in itertools.pairwise(found):
+            share = np.clip((point - a) @ (b - a) / max((b - a) @ (b - a), 1e-12), 0, 1)
+            gaps.append(hypot(*(point - a - share * (b - a))))
+        assert min(gaps) <= within + 1e-6
+
+
+def test_ways_follow_the_trail_from_tag_to_tag():
+    trail = np.vstack([np.linspace((0, 0), (6, 0), 61), np.linspace((6, 0.1), (6, -4), 41)])
+    ways = ways_along(trail, {"A": (0.0, 0.3), "B": (6.0, -4.0), "far": (20.0, 0.0)})
+    (way,) = ways
+    assert (way.from_tag, way.to_tag) == ("A", "B")
+    assert way.length_m == pytest.approx(10.0, abs=0.5)
+    assert len(way.points_m) == 3  # it bends once
+
+
+def test_a_tag_passed_again_begins_a_way_again():
+    there = np.linspace((0, 0), (4, 0), 41)
+    ways = ways_along(np.vstack([there, there[::-1]]), {"A": (0.0, 0.0), "B": (4.0, 0.0)})
+    assert [(way.from_tag, way.to_tag) for way in ways] == [("A", "B"), ("B", "A")]
+    assert ways_along(there, {"A": (0.0, 0.0)}) == []
+
+
+def test_words_say_how_far_which_way_and_where_to_turn():
+    way = Way("A", "B", np.array([[0.0, 0.0], [6.0, 0.0], [6.0, 3.0]]))
+    (leg,) = RouteMap([way]).route("A", ["B"])
+    assert leg_text(leg) == "Go 6 m north, turn left and go 3 m to tag B."
+    (back,) = RouteMap([way]).route("B", ["A"])
+    assert leg_text(back) == "Go 3 m east, turn right and go 6 m to tag A."
+    (vague,) = RouteMap([way], {"A": 3.0}).route("A", ["B"])
+    assert leg_text(vague) == "Go about 6 m north, turn left and go about 3 m to tag B."
+
+
+@pytest.mark.parametrize(
+    ("to", "bearing", "point"),
+    [((1, 0), 0, "north"), ((0, -1), 90, "east"), ((-1, 0), 180, "south"), ((0, 1), 270, "west"),
+     ((1, -1), 45, "north-east")],
+)  # fmt: skip
+def test_bearings_are_the_compass(to, bearing, point):
+    found = bearing_deg(np.zeros(2), np.array(to, float))
+    assert found == pytest.approx(bearing)
+    assert compass_point(found) == point
+    assert compass_point(359.0) == "north"
+
+
+def test_hazards_are_gone_round_where_that_is_possible_and_told_where_not():
+    direct = Way("A", "B", np.array([[0.0, 0.0], [10.0, 0.0]]))
+    round_ = [
+        Way("A", "C", np.array([[0.0, 0.0], [0.0, 9.0]])),
+        Way("C", "B", np.array([[0.0, 9.0], [10.0, 9.0]])),
+    ]
+    gas = Hazard("gas", ((5.0, 1.0),))
+    fire = Hazard("fire", ((4.0, -3.0), (6.0, -3.0), (6.0, 3.0), (4.0, 3.0)))
+    for hazard in (gas, fire):
+        legs = RouteMap([direct, *round_], hazards=[hazard]).route("A", ["B"])
+        assert [leg.way.to_tag for leg in legs] == ["C", "B"]
+        (leg,) = RouteMap([direct], hazards=[hazard]).route("A", ["B"])
+        assert leg_text(leg).endswith(f"to tag B. Take care: {hazard.text}.")
+    assert [leg.way.to_tag for leg in RouteMap([direct, *round_]).route("A", ["B"])] == ["B"]

@@ -1,0 +1,45 @@
+"""Routes through the API, on what a robot of the simulator really drove."""
+
+from math import hypot
+
+import pytest
+
+
+@pytest.fixture
+def tags(driven):
+    return {tag["tag_id"]: tag for tag in driven.get("/tags")["tags"]}
+
+
+def test_a_route_leads_from_tag_to_tag_and_to_a_victim(driven, tags):
+    a, b = driven.get("/tags")["links"][0]
+    route = driven.get(f"/routes?from={a}&to=tag:{b}")
+    assert route["legs"][-1]["to_tag"] == b
+    assert (
+        route["distance_m"] >= hypot(tags[a]["x_m"] - tags[b]["x_m"], tags[a]["y_m"] - tags[b]["y_m"]) - 1e-6
+    )
+    for leg, following in zip(route["legs"], route["legs"][1:], strict=False):
+        assert leg["to_tag"] == following["from_tag"]
+    for leg in route["legs"]:
+        start = leg["points_m"][0]
+        assert (start[0], start[1]) == pytest.approx(
+            (tags[leg["from_tag"]]["x_m"], tags[leg["from_tag"]]["y_m"]), abs=0.01
+        )
+        assert leg["text"].endswith(".")
+        assert 0.0 <= leg["bearing_deg"] < 360.0
+    victim = driven.get("/victims")["victims"][0]
+    there = driven.get(f"/routes?from={a}&to=victim:{victim['victim_id']}")
+    assert (there["x_m"], there["y_m"]) == pytest.approx((victim["x_m"], victim["y_m"]), abs=0.01)
+    assert there["last"]["text"].startswith(f"From tag {there['last']['from_tag']} go ")
+    assert there["distance_m"] == pytest.approx(
+        sum(leg["distance_m"] for leg in there["legs"]) + there["last"]["distance_m"]
+    )
+    assert driven.get(f"/routes?from={a}&to=tag:{a}")["legs"] == []
+
+
+def test_what_is_not_there_is_named(driven, tags):
+    a = next(iter(tags))
+    assert driven.refused("GET", "/routes?from=none&to=tag:none") == (404, "unknown_tag", None)
+    assert driven.refused("GET", f"/routes?from={a}&to=tag:none") == (404, "unknown_tag", None)
+    assert driven.refused("GET", f"/routes?from={a}&to=victim:v99") == (404, "unknown_victim", None)
+    assert driven.refused("GET", f"/routes?from={a}&to=moon") == (422, "invalid", "to")
+    assert driven.refused("GET", "/routes?to=tag:x")[0] == 422
