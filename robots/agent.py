@@ -222,7 +222,7 @@ class RobotAgent:
             doubts=slam.take_doubts(),
             frontiers=self._scout.take_frontiers(observation.stamp_s),
             orders=self._scout.explorer.order_reports(),
-            methods=self._scout.explorer.methods,
+            methods=self._scout.explorer.errands.methods,
         )
 
 

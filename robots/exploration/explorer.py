@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from math import hypot
 
 import numpy as np
@@ -64,11 +65,6 @@ class Explorer:
         self._arrived_s: float | None = None
         self._give_way_at: tuple[float, float] | None = None  # where somebody else seems to want to pass
         self._giving_way_until_s: float | None = None
-
-    @property
-    def methods(self) -> Methods:
-        """The names of the methods in force."""
-        return self.errands.methods
 
     @property
     def frontiers(self) -> tuple[FrontierReport, ...]:
@@ -175,6 +171,7 @@ class Explorer:
             aim = self.homing.aim(ground, why or self.errands.by)
             if aim.kind == "rest" and aim.activity == "done":
                 self.errands.home(aim.reason.rpartition("; ")[2])
+                aim = aim if why else replace(aim, activity="holding")
             return aim
         edges = self.goals.edges(ground, self._config.planning.min_frontier_m, now_s)
         aim_ = self.errands.aim(now_s, ground, edges) or self._suspects.aim(ground)
