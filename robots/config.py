@@ -220,6 +220,9 @@ class VictimConfig:
     min_sightings: int = 3  # a lone false alarm is not a victim
 
 
+MAX_LOCAL_MAP_M = 40.0
+
+
 @dataclass(frozen=True, slots=True)
 class PlanningConfig:
     """Where to go and how."""
@@ -242,7 +245,12 @@ class PlanningConfig:
     battery_reserve: float = 0.1  # what is left of it back at the base
 
     def __post_init__(self) -> None:
-        """Make the name one with those of attributes, so that a restored snapshot is the same bytes."""
+        """Make the name one with those of attributes, so that a restored snapshot is the same bytes.
+
+        Raises ConfigError where a small map would be a large one.
+        """
+        if not 0.0 <= self.local_map_m <= MAX_LOCAL_MAP_M:
+            raise ConfigError(f"planning.local_map_m has to be 0 to {MAX_LOCAL_MAP_M:g} metres")
         object.__setattr__(self, "communication", intern(self.communication))
 
     def __reduce__(self) -> tuple[type, tuple[object, ...]]:

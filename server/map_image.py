@@ -28,6 +28,7 @@ class MapImage:
     origin_m: tuple[float, float]
     png: bytes
     etag: str
+    explored_m2: float  # of free ground
 
 
 def draw(grid: TeamGrid) -> MapImage:
@@ -49,5 +50,6 @@ def draw(grid: TeamGrid) -> MapImage:
         resolution_m=float(grid.resolution_m),
         origin_m=(float(grid.origin_m[0]), float(grid.origin_m[1])),
         png=png,
+        explored_m2=float((classes == FREE).sum()) * float(grid.resolution_m) ** 2,
         etag=f'"{hashlib.sha256(png).hexdigest()[:20]}"',
     )

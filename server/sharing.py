@@ -104,6 +104,7 @@ def map_value(mission_id: str, image: MapImage, png: str = "map.png") -> dict[st
         "height": image.height,
         "resolution_m": image.resolution_m,
         "origin_m": list(image.origin_m),
+        "explored_m2": round(image.explored_m2, 2),
         "png": f"/api/v1/missions/{mission_id}/{png}?version={image.version}",
     }
 

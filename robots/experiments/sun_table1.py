@@ -5,6 +5,8 @@ and halls with pillars and debris for the others, with as many nodes and robots.
 not printed: ours drive 500 m, which is a run of the competition, 20 minutes, at 0.4 m/s. Odometry is as bad
 as in the paper's column on average.
 The radio's path loss is measured in another building of the kind, as the paper's was where it was tested.
+Every robot knows where it starts, in one frame, as in the competition; it has no compass, which the paper's
+robots had. What it leaves in nodes is a batch solve of its own measurements (``LeftMap``).
 """
 
 from __future__ import annotations

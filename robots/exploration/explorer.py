@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from math import hypot
 
 import numpy as np
@@ -64,11 +65,6 @@ class Explorer:
         self._arrived_s: float | None = None
         self._give_way_at: tuple[float, float] | None = None  # where somebody else seems to want to pass
         self._giving_way_until_s: float | None = None
-
-    @property
-    def methods(self) -> Methods:
-        """The names of the methods in force."""
-        return self.errands.methods
 
     @property
     def frontiers(self) -> tuple[FrontierReport, ...]:
@@ -147,6 +143,7 @@ class Explorer:
             self._recovery.rest()
             return Decision(0.0, turn, aim.activity, aim.looking, aim.goal_m, drop_tag=tag)
         linear, angular = follow(aim.path, pose, self._grid, scan, self._config.body)
+        self._recovery.blocked(now_s, linear, angular)
         path = aim.path.astype(np.float32)
         return Decision(linear, angular, aim.activity, aim.reason, aim.goal_m, path, tag)
 
@@ -174,6 +171,7 @@ class Explorer:
             aim = self.homing.aim(ground, why or self.errands.by)
             if aim.kind == "rest" and aim.activity == "done":
                 self.errands.home(aim.reason.rpartition("; ")[2])
+                aim = aim if why else replace(aim, activity="holding")
             return aim
         edges = self.goals.edges(ground, self._config.planning.min_frontier_m, now_s)
         aim_ = self.errands.aim(now_s, ground, edges) or self._suspects.aim(ground)
@@ -191,7 +189,7 @@ class Explorer:
             shut_off = goals.shut_off(ground, self._config.planning.min_frontier_m)
             for frontier in goals.worth_going(shut_off, now_s)[:1]:
                 choice = Choice(frontier, "look whether the way beyond is open by now")
-        path = None if choice is None else ground.path_to(choice.frontier.goal)
+        path = None if choice is None else ground.path_to(choice.frontier.goal, choice.along_m)
         if choice is not None and path is not None:
             goals.goal_m = choice.frontier.goal_m
             reason = f"driving {choice.frontier.cost_m:.0f} m to {choice.why}"

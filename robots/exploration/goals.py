@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from math import hypot
 
 from robots.config import ConfigError, PlanningConfig
+from robots.exploration.claims import driven
 from robots.exploration.communication import Communication
 from robots.exploration.coordination import coordination_of
 from robots.exploration.coordination.original import ways_planned_alone
@@ -14,9 +15,17 @@ from robots.exploration.coordination.team import SAME_GOAL_M, Selfish, Team
 from robots.exploration.frontiers import Frontier, find_frontiers, find_shut_off
 from robots.exploration.ground import Ground
 from robots.exploration.strategies import STRATEGIES
-from robots.exploration.strategy import AnswersTags, ExplorationView, KeepsGoals, OwnCandidates, Strategy
+from robots.exploration.strategy import (
+    AnswersTags,
+    ExplorationView,
+    FollowsTrails,
+    KeepsGoals,
+    OwnCandidates,
+    Strategy,
+)
 from robots.orders import Methods
 from robots.planning.travel import UNREACHED
+from robots.se2 import Array
 from robots.types import FrontierReport
 
 MAX_REPORTED = 48
@@ -39,12 +48,13 @@ class _Aside:
     tries: int
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Choice:
-    """A frontier to go to and why, in words after "driving 3 m to"."""
+    """A frontier to go to and why, in words after "driving 3 m to"; ``along_m`` (n, 2): rather that way."""
 
     frontier: Frontier
     why: str
+    along_m: Array | None = None
 
 
 def strategy_of(name: str) -> Strategy:
@@ -138,7 +148,8 @@ class Goals:
         self._why = self.strategy.reason(view, best)
         if team.own[best] < team.own.max():
             self._why += f", {self.coordination.why}"
-        return Choice(chosen, self._why)
+        along_m = driven(view.tags) if isinstance(self.strategy, FollowsTrails) else None
+        return Choice(chosen, self._why, along_m)
 
     def _draws_back(self, goal_m: Place) -> bool:
         """Say whether a goal was taken in place of another too often: an edge that comes and goes."""

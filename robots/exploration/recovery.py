@@ -16,6 +16,7 @@ _BACK_OFF_S = 1.4
 _BACK_OFF_MPS, _BACK_OFF_RADPS = -0.15, 0.6
 _OPEN_STEP = 5  # cost of a cell with nothing near
 _ASIDE_FROM_M, _ASIDE_TO_M = 1.0, 5.0  # how far to go to give way
+_STANDS_S, _STANDS_MPS, _STANDS_RADPS = 1.5, 0.01, 0.1
 _BLOCKED_S, _BLOCKED_RADIUS_M = 40.0, 0.35
 _REPEATED_S = 25.0  # stuck again so soon: backing off a little does not help here
 
@@ -29,6 +30,8 @@ class Recovery:
         self._since_s = 0.0
         self._until_s: float | None = None
         self._times: list[float] = []
+        self._stood_since_s: float | None = None
+        self._nudges = 0
 
     @property
     def active(self) -> bool:
@@ -38,6 +41,7 @@ class Recovery:
     def rest(self) -> None:
         """The robot means to stand still: no progress is expected."""
         self._pose = None
+        self._stood_since_s = None
 
     def begins(self, now_s: float, pose: Pose2, bumped: bool) -> bool:
         """Say whether the robot has just been found stuck; it backs off from now on."""
@@ -55,6 +59,20 @@ class Recovery:
         self._until_s = now_s + _BACK_OFF_S
         return True
 
+    def blocked(self, now_s: float, linear_mps: float, angular_radps: float) -> None:
+        """Take in what following the way comes to: standing before something in plain sight, it backs off.
+
+        Sooner than where nothing is seen, and the place is not to blame: only the way out of here is.
+        """
+        if abs(linear_mps) > _STANDS_MPS or abs(angular_radps) > _STANDS_RADPS:
+            self._stood_since_s = None
+        elif self._stood_since_s is None:
+            self._stood_since_s = now_s
+        elif now_s - self._stood_since_s > _STANDS_S:
+            self._stood_since_s = None
+            self._nudges += 1
+            self._until_s = now_s + _BACK_OFF_S
+
     def velocities(self, now_s: float) -> tuple[float, float] | None:
         """Return the velocities (m/s, rad/s) of backing off; None once it is over."""
         if self._until_s is None:
@@ -62,7 +80,7 @@ class Recovery:
         if now_s >= self._until_s:
             self._until_s, self._pose = None, None
             return None
-        side = 1.0 if len(self._times) % 2 else -1.0
+        side = 1.0 if (len(self._times) + self._nudges) % 2 else -1.0
         return _BACK_OFF_MPS, side * _BACK_OFF_RADPS
 
     @property

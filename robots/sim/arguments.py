@@ -6,7 +6,7 @@ import argparse
 from math import radians
 from typing import get_args
 
-from robots.config import AgentConfig
+from robots.config import AgentConfig, PlanningConfig
 from robots.estimation.radio.model import ENVIRONMENTS, TagHardware
 from robots.exploration.methods import KNOWN
 from robots.sim.hostile import HostileConfig
@@ -54,6 +54,9 @@ def add_scenario_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--tag-bits", type=int, default=usual.tag_bits)
     parser.add_argument("--slam", metavar="[ROBOT=]KIND,...", help=f"of {', '.join(SLAM_KINDS)}")
     parser.add_argument("--memory", choices=("none", "tags"), default="none", help="maps left in tags")
+    parser.add_argument(
+        "--local-map", type=float, default=0.0, metavar="METRES", help="plan on a square that goes along"
+    )
     for name, known in KNOWN.items():
         parser.add_argument(f"--{name}", metavar="[ROBOT=]NAME,...", help=f"of {', '.join(known)}")
     parser.add_argument("--radio-range", type=float, default=usual.team_radio_m, metavar="METRES")
@@ -94,7 +97,9 @@ def scenario_from_arguments(arguments: argparse.Namespace) -> ScenarioConfig:
         communication=parse_pairs("communication", arguments.communication)
         if arguments.communication
         else (),
-        agent_config=AgentConfig(map_memory=arguments.memory == "tags"),
+        agent_config=AgentConfig(
+            planning=PlanningConfig(local_map_m=arguments.local_map), map_memory=arguments.memory == "tags"
+        ),
     )
 
 

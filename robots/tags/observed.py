@@ -23,7 +23,7 @@ from robots.tags.memory import (
 )
 from robots.tags.window import no_cells, trimmed
 
-_KNOWN_SHARE = 0.15  # walls fill much of a cell; what is free in it is closed all the same
+_KNOWN_SHARE = 0.25  # walls fill much of a cell; what is free in it is closed all the same
 
 
 def observed_memory(

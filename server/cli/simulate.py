@@ -68,6 +68,9 @@ def simulate(
     victims: Annotated[int, typer.Option(metavar="N", help="People to be found.")] = 4,
     start: Annotated[Start, typer.Option(help="All at one place, or spread over the building.")] = Start.SAME,
     explore: ExploreOption = "waymark",
+    local_map: Annotated[
+        float, typer.Option(metavar="METRES", help="Plan on a square that goes along; 0: on the whole map.")
+    ] = 0.0,
     coordinate: CoordinateOption = "none",
     communication: CommunicationOption = "tags",
     radio_range: RadioRangeOption = 20.0,
@@ -127,7 +130,7 @@ def simulate(
 
     Step times are those of steps with a laser scan; step_hz counts all steps over the whole run.
     """
-    from robots.config import AgentConfig
+    from robots.config import MAX_LOCAL_MAP_M, AgentConfig, PlanningConfig
     from robots.datasets.radio_file import read_radio
     from robots.datasets.recording import RecordingError
     from robots.sim.arguments import parse_radio_cut
@@ -138,6 +141,8 @@ def simulate(
     from robots.sim.world import WorldError
 
     finite("--minutes", minutes, above=0.0)
+    if not 0.0 <= local_map <= MAX_LOCAL_MAP_M:
+        raise CommandError(f"--local-map {local_map:g} is out of range; give 0 to {MAX_LOCAL_MAP_M:g} metres")
     check_writable(out)
     try:
         config = ScenarioConfig(
@@ -180,7 +185,9 @@ def simulate(
             communication=parse_pairs("communication", communication),
             tag_bits=tag_bits,
             team_radio_m=radio_range,
-            agent_config=AgentConfig(map_memory=memory is Memory.TAGS),
+            agent_config=AgentConfig(
+                planning=PlanningConfig(local_map_m=local_map), map_memory=memory is Memory.TAGS
+            ),
         )
         outcome = play(config)
     except (ScenarioError, WorldError, RecordingError) as error:

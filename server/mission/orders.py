@@ -64,7 +64,7 @@ class Orders:
             raise ApiError(409, "too_many_orders", text)
         await self._store.orders.record_order(self._mission_id, order)
         self._hold(order)
-        await self._events.tell("order", f"{words(order)}, says {order.by}.", order.robot_id)
+        await self._events.tell("order", f"{order.by} orders {words(order)}.", order.robot_id)
         return order
 
     def waiting(self, robot: Robot) -> tuple[RobotOrder, ...]:
@@ -99,7 +99,8 @@ class Orders:
             await self._advance(order)
             if report.state == "failed" or order.kind in _DONE_KINDS:
                 severity = "warning" if report.state == "failed" else "info"
-                text = f"{words(order)}: {report.state}, {report.text}."
+                what = words(order).partition(" ")[2]
+                text = f"{order.robot_id}, ordered {what}: {report.state}, {report.text}."
                 await self._events.tell(f"order_{report.state}", text, order.robot_id, severity)  # type: ignore[arg-type]
 
     async def _advance(self, order: OrderRecord) -> None:
@@ -124,13 +125,23 @@ def order_value(order: OrderRecord) -> dict[str, Any]:
     return {name: getattr(order, name) for name in OrderRecord.__slots__}
 
 
+_WORDS = {
+    "return": "to return",
+    "hold": "to stand still",
+    "resume": "to explore on",
+    "go_to": "to go to",
+    "explore_here": "to explore round",
+    "drop_tag": "to drop a tag",
+}
+
+
 def words(order: OrderRecord) -> str:
-    """Return an order in words."""
+    """Return an order in words, as in "r1 to return"."""
     if order.kind == "methods":
         named = {name: getattr(order, name) for name in Methods.__slots__ if getattr(order, name)}
-        return f"{order.robot_id}: " + ", ".join(f"{name} {value}" for name, value in named.items())
+        return f"{order.robot_id} to take {', '.join(f'{name} {value}' for name, value in named.items())}"
     place = "" if order.x_m is None or order.y_m is None else f" ({order.x_m:.1f}, {order.y_m:.1f})"
-    return f"{order.robot_id}: {order.kind.replace('_', ' ')}{place}"
+    return f"{order.robot_id} {_WORDS[order.kind]}{place}"
 
 
 def _for_robot(order: OrderRecord, robot: Robot) -> RobotOrder | None:

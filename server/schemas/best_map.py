@@ -23,6 +23,7 @@ _STATE: dict[str, Any] = {
         "height": 256,
         "resolution_m": 0.05,
         "origin_m": [-3.2, -1.05],
+        "explored_m2": 214.3,
         "png": "/api/v1/missions/school-1/best-map.png?version=1767225604500",
     },
     "as_of": [{"robot_id": "r1", "seq": 4211, "stamp_s": 842.2, "distance_m": 186.4}],

@@ -112,6 +112,7 @@ class MapOut(Wire):
     height: int = Field(description="In cells.")
     resolution_m: float
     origin_m: tuple[float, float] = Field(description="World coordinates of the lower left corner.")
+    explored_m2: float = Field(description="Free ground on it: what the team has explored.")
     png: str = Field(description="Address of the picture: 0 unknown (transparent), 1 free, 2 occupied.")
 
 

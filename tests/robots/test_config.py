@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from robots.agent import RobotAgent
-from robots.config import AgentConfig, AntennaConfig, ConfigError
+from robots.config import AgentConfig, AntennaConfig, ConfigError, PlanningConfig
 from robots.overrides import override
 
 
@@ -92,3 +92,9 @@ def test_footprint_variances_against_sampling():
     points = rng.uniform(-0.4, 0.4, (200_000, 2))
     points = points[np.hypot(*points.T) < 0.4]
     np.testing.assert_allclose(disc.variances, points.var(axis=0), rtol=0.02)
+
+
+@pytest.mark.parametrize("side", [-1.0, 1e9, float("nan")])
+def test_a_small_map_is_small(side):
+    with pytest.raises(ConfigError, match="local_map_m"):
+        PlanningConfig(local_map_m=side)

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from robots.exploration.claims import driven
 from robots.exploration.far_sight import FarFrontier, FarSight
 from robots.exploration.frontiers import Frontier
 from robots.exploration.outlook import ways_beyond
@@ -27,6 +28,7 @@ class Waymark:
     """Weighs ways to frontiers and beyond them against what nobody has told of and where others are."""
 
     tag_every_m = 1.0
+    follows_trails = True
 
     def __init__(self) -> None:
         self._far = FarSight()
@@ -66,8 +68,7 @@ def promised(view: ExplorationView) -> Array:
 
 def trodden(view: ExplorationView) -> Array:
     """Return how near, 0 to 1, each frontier is to where robots drove, this one or those it read of, (n,)."""
-    driven = [tag.memory.visited_m + np.array(tag.place_m) for tag in view.tags]
-    return _nearness(goals_of(view), np.concatenate([view.trail[:-_JUST_DRIVEN, :2], *driven]))
+    return _nearness(goals_of(view), np.concatenate([view.trail[:-_JUST_DRIVEN, :2], driven(view.tags)]))
 
 
 def places_of(view: ExplorationView) -> Array:

@@ -22,7 +22,7 @@ def test_return_takes_it_to_the_base_where_it_waits_until_it_may_resume(rover, m
     first = robot.drive(1.0)
     assert first.reason.startswith("driving 8 m to the base: ordered by Ann")
     assert told(robot) == []
-    robot.drive(60.0, lambda d: d.activity == "done")
+    robot.drive(60.0, lambda d: d.activity == "holding")
     assert told(robot) == [("o1", "done", "I am at the base")]
     assert np.hypot(robot.pose.x, robot.pose.y) <= HOME_M
     assert robot.drive(20.0).linear_mps == 0.0
@@ -123,11 +123,11 @@ def test_methods_change_while_it_runs_and_unknown_ones_are_refused_with_the_know
     assert "to the nearest edge" in robot.drive(1.0).reason
     give(robot, "methods", explore="information-gain")
     assert "m² of new ground" in robot.drive(1.0).reason
-    assert robot.explorer.methods.explore == "information-gain"
+    assert robot.explorer.errands.methods.explore == "information-gain"
     give(robot, "methods", order_id="o2", explore="astrology")
     (done, failed) = told(robot)
     assert done == ("o1", "done", "explore by information-gain")
     assert failed[:2] == ("o2", "failed")
     assert "'astrology'; known are " in failed[2]
     assert "nearest" in failed[2]
-    assert robot.explorer.methods.explore == "information-gain"
+    assert robot.explorer.errands.methods.explore == "information-gain"

@@ -93,3 +93,24 @@ def test_resting_is_not_being_stuck():
 
 def test_the_place_ahead():
     assert place_ahead(Pose2(1.0, 2.0, 3.14159265358979 / 2.0), 0.5) == pytest.approx((1.0, 2.5))
+
+
+def test_standing_before_what_is_in_plain_sight_it_backs_off_sooner_and_to_both_sides():
+    recovery = watching()
+    turns = []
+    for begun_s in (0.0, 10.0):
+        for tick in range(9):
+            recovery.blocked(begun_s + 0.2 * tick, 0.0, 0.0)
+        assert recovery.active
+        turns.append(recovery.velocities(begun_s + 1.8)[1])
+        recovery.velocities(begun_s + 5.0)
+    assert turns[0] == -turns[1]
+    assert not recovery.keeps_failing  # the place is not to blame
+
+
+@pytest.mark.parametrize("velocities", [(0.2, 0.0), (0.0, 0.5)])
+def test_driving_and_turning_is_not_standing(velocities):
+    recovery = watching()
+    for tick in range(60):
+        recovery.blocked(0.2 * tick, *velocities)
+    assert not recovery.active

@@ -2,10 +2,12 @@
 
 import pytest
 
+from robots.agent import RobotAgent
 from robots.config import AgentConfig, DeploymentConfig, PlanningConfig
 from robots.exploration.strategies import STRATEGIES
 from robots.sim.runner import run
 from robots.sim.scenario import ScenarioConfig
+from robots.sim.simulation import Order, Simulation
 
 WAYS = [(name, 0.0) for name in STRATEGIES] + [("waymark", 4.0)]
 
@@ -29,3 +31,23 @@ def test_a_mission_ends_without_an_error_and_sees_ground(name, local_map_m):
     assert result.score.coverage > 0.3
     assert result.score.distance_m > 4.0
     assert result.tags_dropped > 1
+
+
+@pytest.mark.parametrize(
+    ("name", "local_map_m"), [("kleiner-printed", 0.0), ("ziparo", 0.0), ("waymark", 4.0)]
+)
+def test_a_restored_agent_goes_on_as_if_nothing_had_happened(name, local_map_m):
+    planning = PlanningConfig(explore=name, local_map_m=local_map_m)
+    config = AgentConfig(planning=planning, deployment=DeploymentConfig(even_m=1.0))
+    scenario = ScenarioConfig(map="office:60", robots=1, seed=2, victims=0, agent_config=config)
+    simulation, agent = Simulation(scenario), RobotAgent("r1", scenario.agent_of("r1"))
+    restored = None
+    for period in range(40):
+        for observation in simulation.advance()["r1"]:
+            update = agent.step(observation)
+            if restored is not None:
+                again = restored.step(observation)
+                assert (again.command, again.reason) == (update.command, update.reason)
+        if period == 20:
+            restored = RobotAgent.restore(agent.snapshot())
+        simulation.apply({"r1": Order(update.command)})

@@ -209,7 +209,7 @@ def test_walls_close_the_ground_behind_them():
     np.testing.assert_array_equal(cells_seen[MIDDLE - 3 : MIDDLE + 4, MIDDLE - 3 : MIDDLE + 4], CLOSED)
 
 
-@pytest.mark.parametrize(("width", "state"), [(0.1, UNSEEN), (0.2, CLOSED)])
+@pytest.mark.parametrize(("width", "state"), [(0.2, UNSEEN), (0.3, CLOSED)])
 def test_a_cell_counts_when_some_of_it_is_known(width, state):
     cells_seen = seen_round(grid_of(known_block(0.0, 0.0, width, 1.0, OCCUPIED)), 0.5, 0.5)
     assert cells_seen[MIDDLE, MIDDLE] == state

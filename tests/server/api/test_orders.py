@@ -59,8 +59,8 @@ def test_an_order_goes_into_the_log_with_the_next_observation_and_is_reported(li
     eventually(line, [("resume", "done"), ("hold", "done")])
     assert line.get("/robots/r1")["state"]["activity"] != "holding"
     assert [e["text"] for e in line.events("order")] == [
-        "r1: hold, says operator.",
-        "r1: resume, says operator.",
+        "operator orders r1 to stand still.",
+        "operator orders r1 to explore on.",
     ]
 
 
@@ -132,7 +132,10 @@ def test_methods_change_by_patch_and_unknown_ones_are_refused_with_the_known(lin
     line.send(drive.wires[1])
     eventually(line, [("methods", "done")])
     assert line.get("/robots/r1")["state"]["methods"]["explore"] == "nearest"
-    assert line.events("order_done")[-1]["text"] == "r1: explore nearest: done, explore by nearest."
+    assert (
+        line.events("order_done")[-1]["text"]
+        == "r1, ordered to take explore nearest: done, explore by nearest."
+    )
     refused = line.call("PATCH", "/robots/r1", {"explore": "astrology"})
     assert refused.status_code == 422
     error = refused.json()["error"]

@@ -71,7 +71,7 @@ function RobotCard({ robot, store, stops, isCompact, onSelect }) {
             ${battery !== null && html`<span class="gauge" aria-hidden="true">
               <i style=${{ width: `${Math.round(100 * Math.min(1, Math.max(0, battery)))}%` }}></i></span>`}
           <//>
-          <${Figure} label="Tags left" value=${fixed(robot.tags_left, 0)} warn=${robot.tags_left === 0} />
+          <${Figure} label="Tags" value=${fixed(robot.tags_left, 0)} warn=${robot.tags_left === 0} />
           <${Figure} label="Driven" value=${metres(robot.distance_m)} />
           <${Figure} label="Explored" value=${`${fixed(robot.explored_m2, 0)} m²`}>
             <span class="gauge share" title=${`${percent(shareOf(robot, store))} of what the team has explored`}>
