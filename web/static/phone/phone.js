@@ -210,6 +210,7 @@ addEventListener("deviceorientationabsolute", (event) => {
   if (state.route) show();
 });
 
+/** @type {HTMLElement} */ (document.getElementById("page")).textContent = "";
 show();
 load();
 lookForOrders();
