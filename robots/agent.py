@@ -21,6 +21,8 @@ from robots.snapshot import freeze, thaw
 from robots.types import AgentUpdate, Command, Observation, RobotSighting, TagSighting
 from robots.victims import VictimTracker
 
+_TAG_SD_M = 0.3  # of tags' places in a map by SLAM, as others' tags are told of in them
+
 
 class ObservationError(ValueError):
     """The observation cannot follow what this agent has seen; the agent is unchanged."""
@@ -191,6 +193,7 @@ class RobotAgent:
             read=read,
             heard=observation.heard,
             tag_place=partial(_place, slam),
+            tag_sd_m=0.0 if self.config.poses == "truth" else _TAG_SD_M,
             tag_places=slam.tag_places,
             own_map=slam.own_map,
         )

@@ -5,10 +5,9 @@ Derived values are properties beside what they derive from.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from itertools import pairwise
 from math import cos, radians, sin
-from sys import intern
 from typing import Literal
 
 from robots.exploration.settings import KleinerConfig, SafeGroundConfig, ZiparoConfig
@@ -245,17 +244,13 @@ class PlanningConfig:
     battery_reserve: float = 0.1  # what is left of it back at the base
 
     def __post_init__(self) -> None:
-        """Make the name one with those of attributes, so that a restored snapshot is the same bytes.
+        """Keep a name that is an attribute's too apart from that: snapshots tell what is one object.
 
         Raises ConfigError where a small map would be a large one.
         """
         if not 0.0 <= self.local_map_m <= MAX_LOCAL_MAP_M:
             raise ConfigError(f"planning.local_map_m has to be 0 to {MAX_LOCAL_MAP_M:g} metres")
-        object.__setattr__(self, "communication", intern(self.communication))
-
-    def __reduce__(self) -> tuple[type, tuple[object, ...]]:
-        """Be pickled as a call."""
-        return PlanningConfig, tuple(getattr(self, item.name) for item in fields(self))
+        object.__setattr__(self, "communication", self.communication.encode().decode())
 
 
 @dataclass(frozen=True, slots=True)

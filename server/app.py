@@ -103,6 +103,7 @@ def create_app(settings: Settings) -> FastAPI:
         stream,
     ):
         api.include_router(module.router)
+    api.include_router(routes.where)
     app.include_router(api)
     mount_web(app, (scenes, gate))
     return app

@@ -56,7 +56,7 @@ _WALLS = np.array(  # x0, y0, x1, y1: a corridor along x with two rooms on eithe
         *([x, y, x + 1.7, y] for y in (-0.8, 0.8) for x in (-1.5, 1.3, 3.0, 5.8)),
     ]
 )
-_VICTIM = (1.8, 2.6)
+_VICTIM = (2.2, 0.3)
 _TAGS = {"T0": (0.0, 0.0), "T1": (0.75, 0.8), "T2": (0.75, -0.8), "T3": (5.2, 0.8), "T4": (2.5, 0.0)}
 _ANGLES = np.linspace(-2.0, 2.0, 161)
 _RANGE_MAX_M = 3.0

@@ -108,6 +108,12 @@ def mount_web(
     async def people(request: Request) -> Response:
         return _page(request, STATIC / "people" / "index.html")
 
+    async def tag_home(request: Request) -> Response:
+        return _page(request, STATIC / "phone" / "index.html")
+
+    async def tag(request: Request, tag_id: str) -> Response:
+        return _page(request, STATIC / "phone" / "index.html")
+
     async def icon(request: Request) -> Response:
         return _page(request, STATIC / "logo.svg")
 
@@ -115,6 +121,8 @@ def mount_web(
         app.add_api_route(address, console, methods=["GET", "HEAD"], include_in_schema=False)
     for address in ("/login", "/join"):
         app.add_api_route(address, door, methods=["GET", "HEAD"], include_in_schema=False)
+    app.add_api_route("/t/{tag_id}", tag, methods=["GET", "HEAD"], include_in_schema=False)
+    app.add_api_route("/t", tag_home, methods=["GET", "HEAD"], include_in_schema=False)
     app.add_api_route("/people", people, methods=["GET", "HEAD"], include_in_schema=False)
     app.add_api_route("/favicon.ico", icon, methods=["GET", "HEAD"], include_in_schema=False)
     app.mount("/static", _Files(directory=STATIC), name="static")

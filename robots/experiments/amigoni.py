@@ -36,6 +36,7 @@ STRATEGIES, COORDINATIONS = ("aojrf", "mcdm"), ("none", "simplified", "original"
 RANDOM, WAYMARK = ("random", "random"), ("waymark", "hungarian")
 MARGIN_M2 = 30.0  # strategies that differ by less are as good as each other
 _SPEED_MPS, _LASER_M, _MINUTES = 0.15, 20.0, 15.0
+_NEVER = 2.0  # all is seen from afar long before it is safe
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,6 +84,7 @@ class Cell:
             in_order="at once",
             one_map=True,
             limit_s=60.0 * self.minutes,
+            until=_NEVER,
             plan_cost_s=self.plan_cost_s,
         )
 

@@ -8,10 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from math import ceil
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
+from scipy import ndimage
 
 from robots.planning.plan_grid import UNKNOWN, PlanGrid
 from robots.se2 import Array
@@ -43,6 +45,7 @@ class Claims:
 
     def __init__(self) -> None:
         self.own: int | None = None  # the key by which tags know this robot: its own goals are no news
+        self.tag_sd_m = 0.0  # of the places where tags are believed
         self._memories: dict[str, TagMemory] = {}
         self._read_s: dict[str, float] = {}
 
@@ -64,16 +67,20 @@ class Claims:
     def survey(self, grid: PlanGrid, place_of: PlaceOf) -> Survey:
         """Return what is unknown, here and to all whose word was read, as the tags lie now."""
         unknown = _unknown_shares(grid.cells, grid.cell_m, LATTICE_M)
-        claimed = np.zeros(unknown.shape, np.uint8)
+        claimed, whole = np.zeros(unknown.shape, np.uint8), np.zeros(unknown.shape, np.uint8)
+        rings = ceil(self.tag_sd_m / LATTICE_M - 1e-9)
         promised = []
         for tag in self.tags(place_of):
-            _draw(claimed, tag.memory, tag.place_m, grid.origin)
+            fine = np.repeat(np.repeat(tag.memory.cells.T, _PER_CELL, axis=0), _PER_CELL, axis=1)
+            _draw(whole, fine, tag, grid.origin)
+            _draw(claimed, _eroded(fine, rings), tag, grid.origin)
             promised += [
                 (tag.place_m[0] + p.goal_m[0], tag.place_m[1] + p.goal_m[1])
                 for p in tag.memory.passes
                 if p.key != self.own and p.goal_m is not None
             ]
-        return Survey(unknown, claimed, grid.origin, np.array(promised).reshape(-1, 2))
+        doubtful = (whole == CLOSED) & (claimed != CLOSED)
+        return Survey(unknown, claimed, grid.origin, np.array(promised).reshape(-1, 2), doubtful)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -81,13 +88,15 @@ class Survey:
     """A lattice of ``LATTICE_M``: ``unknown`` (r, c), the share of each cell; ``claimed`` (r, c), its state.
 
     Cell (0, 0) has its lower left corner at ``origin`` (x, y) in the map frame. Beyond it all is unknown.
-    ``promised`` (n, 2): where others went, as they told tags.
+    ``promised`` (n, 2): where others went, as they told tags. ``doubtful`` (r, c): what would be claimed too
+    if the tags were known to lie where they are believed to.
     """
 
     unknown: Array
     claimed: NDArray[np.uint8]
     origin: tuple[float, float]
     promised: Array = field(default_factory=lambda: np.zeros((0, 2)))
+    doubtful: NDArray[np.bool_] | None = None
     _told: dict[tuple[bytes, float], tuple[Array, Array]] = field(default_factory=dict, repr=False)
 
     def shares(self, points_m: Array, within_m: float) -> tuple[Array, Array]:
@@ -142,18 +151,22 @@ def _centres_in(k: int, cell_m: float, lattice_m: float) -> int:
     return int(np.ceil((k + 1) * lattice_m / cell_m - 0.5 - 1e-9)) - first
 
 
+def _eroded(fine: NDArray[np.uint8], rings: int) -> NDArray[np.uint8]:
+    """Return a window that calls closed only what is told of all round, so many cells far; else unseen."""
+    if rings == 0:
+        return fine
+    inner = ndimage.binary_erosion(fine > 0, np.ones((2 * rings + 1,) * 2, bool))
+    return np.where((fine == CLOSED) & ~inner, 0, fine).astype(np.uint8)
+
+
 def _draw(
-    claimed: NDArray[np.uint8],
-    memory: TagMemory,
-    place: tuple[float, float],
-    origin: tuple[float, float],
+    claimed: NDArray[np.uint8], fine: NDArray[np.uint8], tag: KnownTag, origin: tuple[float, float]
 ) -> None:
-    """Draw a tag's window; rows of its cells go along x, columns along y."""
-    half = memory.side / 2.0 * CELL_M
-    fine = np.repeat(np.repeat(memory.cells.T, _PER_CELL, axis=0), _PER_CELL, axis=1)  # rows along y
-    north, west = memory.shift_m
-    row = round((place[1] + west - half - origin[1]) / LATTICE_M)
-    column = round((place[0] + north - half - origin[0]) / LATTICE_M)
+    """Draw a tag's window, in cells of the lattice, rows along y."""
+    half = tag.memory.side / 2.0 * CELL_M
+    north, west = tag.memory.shift_m
+    row = round((tag.place_m[1] + west - half - origin[1]) / LATTICE_M)
+    column = round((tag.place_m[0] + north - half - origin[0]) / LATTICE_M)
     rows, columns = claimed.shape
     top, left = max(row, 0), max(column, 0)
     bottom, right = min(row + len(fine), rows), min(column + len(fine), columns)

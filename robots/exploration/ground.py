@@ -15,7 +15,7 @@ from robots.se2 import Array, Pose2
 
 _FARTHEST_M = 1e6
 _PER_CELL = 5.0  # cost of a cell in the open
-_ALONG_M, _ASIDE = 0.2, 2  # how near is along a place; what a cell costs more that is not
+_ALONG_M, _ASIDE = 0.2, 1  # how near is along a place; what a cell costs more that is not
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -23,9 +23,10 @@ def ways_beyond(grid: PlanGrid, survey: Survey, cells: NDArray[np.int64], most_m
 
     ``most_m`` where it is farther, or where others have told of all that can be reached.
     """
-    if not (survey.claimed == CLOSED).any() or len(cells) == 0:
+    if not survey.claimed.any() or len(cells) == 0:
         return np.zeros(len(cells))
-    kinds = _kinds(grid.cells, survey.claimed, grid.cell_m / LATTICE_M)
+    told = survey.claimed if survey.doubtful is None else np.where(survey.doubtful, CLOSED, survey.claimed)
+    kinds = _kinds(grid.cells, told.astype(np.uint8), grid.cell_m / LATTICE_M)
     ways = _flood(kinds, most_m / grid.cell_m)
     found: Array = ways[cells[:, 0], cells[:, 1]] * grid.cell_m
     return found

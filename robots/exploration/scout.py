@@ -64,6 +64,7 @@ class Situation:
     read: tuple[TagSighting, ...] = ()
     heard: tuple[bytes, ...] = ()  # messages of the team
     tag_place: PlaceOf = _no_place
+    tag_sd_m: float = 0.0  # of the places of tags
     tag_places: Callable[[], Sequence[tuple[float, float]]] = tuple
     own_map: Callable[[], Sequence[TagBelief]] = tuple
 
@@ -161,6 +162,7 @@ class Scout:
             say = self._communication.say(
                 now.stamp_s, now.pose, self.decision.goal_m, whole, now.scan.range_max_m, busy
             )
+        self.explorer.claims.tag_sd_m = now.tag_sd_m
         for sighting in now.read:
             self._hear(now, sighting)
         writes = tuple(self._writes(now, sighting) for sighting in now.read)

@@ -58,6 +58,11 @@ class RouteMap:
         """The tags that a way leads to."""
         return frozenset(self._next)
 
+    def neighbours(self, tag_id: str) -> list[Way]:
+        """Return the ways from a tag to those next to it, the shortest first."""
+        ways = [self._ways[tag_id, other] for other, _ in self._next.get(tag_id, ())]
+        return sorted(ways, key=lambda way: (way.length_m, way.to_tag))
+
     def route(
         self, from_tag: str, to_tags: Iterable[str], ends_m: Mapping[str, float] | None = None
     ) -> list[Leg]:

@@ -89,6 +89,7 @@ _ASK: dict[Role, str] = {
 }
 READS = [Depends(needs("viewer"))]
 """What every router of a mission asks for, whatever its routes ask for besides."""
+Viewer = Annotated[Actor, Depends(needs("viewer"))]
 Responder = Annotated[Actor, Depends(needs("responder"))]
 Operator = Annotated[Actor, Depends(needs("operator"))]
 Commander = Annotated[Actor, Depends(needs("commander"))]

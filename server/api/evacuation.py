@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from fastapi import APIRouter
 
-from fastapi import APIRouter, Depends
-
-from server.api.common import ERRORS, READS, OneMission, Operator, needs
+from server.api.common import ERRORS, READS, OneMission, Operator, Viewer
 from server.mission.mission import Mission
-from server.people.actor import Actor
 from server.people.audit import AuditedRoute
 from server.schemas.alerts import AcknowledgementOut, EvacuationOut
 
@@ -19,7 +16,6 @@ router = APIRouter(
     dependencies=READS,
     route_class=AuditedRoute,
 )
-Anybody = Annotated[Actor, Depends(needs("viewer"))]
 
 
 @router.get("", summary="Does EVACUATE hold?", operation_id="get_evacuation")
@@ -43,7 +39,7 @@ async def end_evacuation(mission: OneMission, by: Operator) -> EvacuationOut:
 
 
 @router.post("/acknowledge", summary="I have heard EVACUATE", operation_id="acknowledge_evacuation")
-async def acknowledge_evacuation(mission: OneMission, by: Anybody) -> EvacuationOut:
+async def acknowledge_evacuation(mission: OneMission, by: Viewer) -> EvacuationOut:
     """Keep that you have heard it."""
     await mission.evacuation.acknowledge(by.name)
     return _out(mission)

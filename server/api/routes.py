@@ -8,10 +8,13 @@ from fastapi import APIRouter, Query
 
 from robots.routes.planner import Leg
 from robots.routes.words import bearing_deg, is_uncertain, leg_text
-from server.api.common import ERRORS, READS, OneMission
+from server.api.common import ERRORS, READS, AllMissions, OneMission, Viewer
+from server.errors import ApiError
+from server.mission.whereabouts import whereabouts
 from server.people.audit import AuditedRoute
-from server.schemas.routes import LastOut, LegOut, RouteOut
+from server.schemas.routes import LastOut, LegOut, NearVictimOut, NeighbourOut, RouteOut, WhereOut
 
+where = APIRouter(tags=["routes"], responses=ERRORS, dependencies=READS)
 router = APIRouter(
     prefix="/missions/{mission_id}/routes",
     tags=["routes"],
@@ -47,6 +50,25 @@ async def get_route(mission: OneMission, from_: From, to: To) -> RouteOut:
         distance_m=route.distance_m,
         legs=[_leg(leg) for leg in route.legs],
         last=last,
+    )
+
+
+@where.get("/where/{tag_id}", summary="Where am I?", operation_id="get_where")
+async def get_where(tag_id: str, missions: AllMissions, by: Viewer) -> WhereOut:
+    """Return where a tag is, in the latest running mission that has it, and what is near it."""
+    able = [m for m in missions.all() if by.is_for(m.mission_id) and m.board.get(f"tag/{tag_id}")]
+    if not able:
+        raise ApiError(404, "unknown_tag", f"No mission here knows a tag {tag_id!r}; check its number.")
+    mission = max(able, key=lambda m: (m.roster.record.state == "running", m.roster.record.created_unix_s))
+    found = whereabouts(mission.board, mission.routes, mission.shared_map.grid, tag_id)
+    return WhereOut(
+        **found
+        | {
+            "mission_id": mission.mission_id,
+            "mission_name": mission.roster.record.name,
+            "neighbours": [NeighbourOut(**item) for item in found["neighbours"]],
+            "victims": [NearVictimOut(**item) for item in found["victims"]],
+        }
     )
 
 

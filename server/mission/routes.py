@@ -49,11 +49,22 @@ class Routes:
         Raises:
             ApiError: there is no such thing, or no route to it.
         """
+        self._refresh()
+        return _find(self._board, self._roads, grid, from_tag, to)
+
+    def neighbours(self, tag_id: str) -> list[tuple[str, Way, float]]:
+        """Return the tags next to a tag with the ways and bearings there, the nearest first."""
+        self._refresh()
+        return [
+            (way.to_tag, way, bearing_deg(way.points_m[0], way.points_m[1]))
+            for way in self._roads.neighbours(tag_id)
+        ]
+
+    def _refresh(self) -> None:
         board = self._board
         now = [value for kind in ("tag", "trail", "annotation") for value in board.of_kind(kind)]
         if len(now) != len(self._of) or any(a is not b for a, b in zip(now, self._of, strict=True)):
             self._of, self._roads = now, _roads(board)
-        return _find(board, self._roads, grid, from_tag, to)
 
 
 def _find(board: Board, roads: RouteMap, grid: TeamGrid | None, from_tag: str, to: str) -> Route:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pydantic import Field
 
+from db.victim_records import VictimStatus
 from server.schemas.common import Wire
 
 
@@ -27,6 +28,38 @@ class LastOut(Wire):
     distance_m: float
     bearing_deg: float
     text: str
+
+
+class NeighbourOut(Wire):
+    """A tag next to this one."""
+
+    tag_id: str
+    distance_m: float
+    bearing_deg: float
+
+
+class NearVictimOut(Wire):
+    """A victim, as seen from a tag."""
+
+    victim_id: str
+    status: VictimStatus
+    distance_m: float = Field(description="Along the route; straight where there is none.")
+    reachable: bool = Field(description="A route leads there.")
+
+
+class WhereOut(Wire):
+    """Where a tag is, in words that need no map, and what is near it."""
+
+    mission_id: str
+    mission_name: str
+    tag_id: str
+    x_m: float
+    y_m: float
+    sd_m: float = Field(description="Standard deviation of its place.")
+    notice: str
+    text: str
+    neighbours: list[NeighbourOut]
+    victims: list[NearVictimOut]
 
 
 class RouteOut(Wire):

@@ -114,6 +114,7 @@ class ArenaRobot:
                 read=read,
                 heard=self._unheard,
                 tag_place=self.places.of,
+                tag_sd_m=self._config.tag_error_m,
                 tag_places=self.places.all,
             )
         )

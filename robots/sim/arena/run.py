@@ -121,8 +121,8 @@ class Arena:
             min(rows, row + self._reach + 1), min(columns, column + self._reach + 1),
         )  # fmt: skip
         if robot.decision.activity == "done" and not was_done:
-            known = robot.seen if robot.scout.config.planning.communication in ("none", "tags") else self.seen
-            if leaves_a_hole(known, self.ground):
+            alone = robot.scout.config.planning.communication in ("none", "tags") and not self.config.one_map
+            if leaves_a_hole(robot.seen if alone else self.seen, self.ground):
                 self._false_ends.add(robot.robot_id)
 
     def _note(self) -> None:

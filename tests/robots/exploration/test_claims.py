@@ -128,6 +128,19 @@ def test_the_way_rather_leads_where_tags_say_that_robots_drove():
     assert len(ground.path_to(goal, driven(()))) == len(direct)
 
 
+def test_what_lies_within_the_error_of_a_tags_place_is_doubtful():
+    claims = Claims()
+    claims.hear("A", TagMemory(np.full((5, 5), CLOSED, np.uint8)))
+    sure = claims.survey(grid(), {"A": (0.5, 0.5)}.get)
+    assert not sure.doubtful.any()
+    claims.tag_sd_m = 0.3
+    vague = claims.survey(grid(), {"A": (0.5, 0.5)}.get)
+    assert ((vague.claimed == CLOSED) | vague.doubtful == (sure.claimed == CLOSED)).all()
+    assert (vague.claimed == CLOSED).sum() == 8 * 8
+    assert (sure.claimed == CLOSED).sum() == 10 * 10
+    np.testing.assert_array_less(vague.shares(np.array([(0.5, 0.5)]), 3.0)[1], 1.0)
+
+
 def test_where_others_went_is_told_and_not_where_this_robot_went():
     claims = Claims()
     claims.own = key_of("me")

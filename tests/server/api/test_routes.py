@@ -43,3 +43,13 @@ def test_what_is_not_there_is_named(driven, tags):
     assert driven.refused("GET", f"/routes?from={a}&to=victim:v99") == (404, "unknown_victim", None)
     assert driven.refused("GET", f"/routes?from={a}&to=moon") == (422, "invalid", "to")
     assert driven.refused("GET", "/routes?to=tag:x")[0] == 422
+
+
+def test_a_tag_says_where_it_is_in_words(control, driven, tags):
+    a, b = driven.get("/tags")["links"][0]
+    found = control.call("GET", f"/where/{a}").json()
+    assert found["mission_id"] == "driven"
+    assert found["text"].startswith(f"You are at tag {a}. ")
+    assert b in {neighbour["tag_id"] for neighbour in found["neighbours"]}
+    assert {victim["victim_id"] for victim in found["victims"]}
+    assert control.call("GET", "/where/nothing").status_code == 404

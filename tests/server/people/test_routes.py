@@ -3,6 +3,7 @@
 import pkgutil
 from importlib import import_module
 
+from fastapi import APIRouter
 from fastapi.dependencies.models import Dependant
 from fastapi.routing import APIRoute
 
@@ -15,10 +16,9 @@ KEPT_ELSEWHERE = {"post_observations"}  # the mission's log is their log
 
 def routes():
     for module in pkgutil.iter_modules(server.api.__path__):
-        router = getattr(import_module(f"server.api.{module.name}"), "router", None)
-        for route in [] if router is None else router.routes:
-            if isinstance(route, APIRoute):
-                yield route
+        for router in vars(import_module(f"server.api.{module.name}")).values():
+            if isinstance(router, APIRouter):
+                yield from (route for route in router.routes if isinstance(route, APIRoute))
 
 
 def roles(dependant: Dependant):

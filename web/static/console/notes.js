@@ -29,7 +29,7 @@ export function placeOf(note, tag) {
 async function write(store, draft, place) {
   store.draft = null;
   store.changed();
-  const id = crypto.randomUUID?.() ?? uuid();
+  const id = newId();
   try {
     await request("PUT", `${missionPath(store.missionId ?? "")}/annotations/${id}`, { kind: draft.kind, text: draft.text.trim(), ...place });
   } catch (error) {
@@ -38,8 +38,8 @@ async function write(store, draft, place) {
   }
 }
 
-/** A random id where the page has no secure context, as over plain HTTP in a field network. */
-function uuid() {
+/** A random id (UUID 4), also where the page has no secure context, as over plain HTTP in a field network. */
+export function newId() {
   const bytes = crypto.getRandomValues(new Uint8Array(16));
   bytes[6] = (bytes[6] & 0x0f) | 0x40;
   bytes[8] = (bytes[8] & 0x3f) | 0x80;

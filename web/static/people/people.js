@@ -158,7 +158,10 @@ function show() {
     <${Secret} /><${People} /><${Tokens} /><${Changes} />`, page);
 }
 
-load().then(show, (error) => {
+load().then(() => {
+  page.textContent = "";
+  show();
+}, (error) => {
   page.removeAttribute("aria-busy");
   page.textContent = error instanceof ApiError ? error.message : String(error);
 });
