@@ -143,7 +143,8 @@ class Explorer:
             self._recovery.rest()
             return Decision(0.0, turn, aim.activity, aim.looking, aim.goal_m, drop_tag=tag)
         linear, angular = follow(aim.path, pose, self._grid, scan, self._config.body)
-        self._recovery.blocked(now_s, linear, angular)
+        if self._recovery.blocked(now_s, linear, angular):
+            self._note_obstruction(now_s, pose)
         path = aim.path.astype(np.float32)
         return Decision(linear, angular, aim.activity, aim.reason, aim.goal_m, path, tag)
 
@@ -278,6 +279,7 @@ class Explorer:
                 self._put_aside(goal, now_s)  # as good as there, and it cannot be had
             elif aim.kind == "suspect":
                 self._suspects.give_up()
+        self._giving_way_until_s = None  # where it stepped aside to cannot be had either
         place = place_ahead(pose, self._config.body.radius_m + 0.25)
         self._blocked.add(place, now_s)
         if self._recovery.keeps_failing:

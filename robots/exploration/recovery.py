@@ -31,7 +31,8 @@ class Recovery:
         self._until_s: float | None = None
         self._times: list[float] = []
         self._stood_since_s: float | None = None
-        self._nudges = 0
+        self._nudges: list[float] = []
+        self._backings = 0
 
     @property
     def active(self) -> bool:
@@ -57,12 +58,14 @@ class Recovery:
             return False
         self._times = [time for time in self._times if now_s - time < _REPEATED_S] + [now_s]
         self._until_s = now_s + _BACK_OFF_S
+        self._backings += 1
         return True
 
-    def blocked(self, now_s: float, linear_mps: float, angular_radps: float) -> None:
-        """Take in what following the way comes to: standing before something in plain sight, it backs off.
+    def blocked(self, now_s: float, linear_mps: float, angular_radps: float) -> bool:
+        """Take in what following the way comes to; say whether the place ahead is to blame.
 
-        Sooner than where nothing is seen, and the place is not to blame: only the way out of here is.
+        Standing before something in plain sight it backs off sooner than where nothing is seen. The first
+        time only the way out of here is to blame; when it comes to the same soon after, the place is.
         """
         if abs(linear_mps) > _STANDS_MPS or abs(angular_radps) > _STANDS_RADPS:
             self._stood_since_s = None
@@ -70,8 +73,13 @@ class Recovery:
             self._stood_since_s = now_s
         elif now_s - self._stood_since_s > _STANDS_S:
             self._stood_since_s = None
-            self._nudges += 1
+            self._backings += 1
             self._until_s = now_s + _BACK_OFF_S
+            self._nudges = [time for time in self._nudges if now_s - time < _REPEATED_S] + [now_s]
+            if len(self._nudges) > 1:
+                self._times = [time for time in self._times if now_s - time < _REPEATED_S] + [now_s]
+                return True
+        return False
 
     def velocities(self, now_s: float) -> tuple[float, float] | None:
         """Return the velocities (m/s, rad/s) of backing off; None once it is over."""
@@ -80,7 +88,7 @@ class Recovery:
         if now_s >= self._until_s:
             self._until_s, self._pose = None, None
             return None
-        side = 1.0 if (len(self._times) + self._nudges) % 2 else -1.0
+        side = 1.0 if self._backings % 2 else -1.0
         return _BACK_OFF_MPS, side * _BACK_OFF_RADPS
 
     @property
@@ -90,7 +98,7 @@ class Recovery:
 
     def forget(self) -> None:
         """Begin to count anew."""
-        self._times = []
+        self._times, self._nudges = [], []
 
 
 class Blocked:

@@ -97,15 +97,16 @@ def test_the_place_ahead():
 
 def test_standing_before_what_is_in_plain_sight_it_backs_off_sooner_and_to_both_sides():
     recovery = watching()
-    turns = []
-    for begun_s in (0.0, 10.0):
-        for tick in range(9):
-            recovery.blocked(begun_s + 0.2 * tick, 0.0, 0.0)
+    turns, blamed = [], []
+    for begun_s in (0.0, 10.0, 50.0):
+        told = [recovery.blocked(begun_s + 0.2 * tick, 0.0, 0.0) for tick in range(9)]
+        blamed.append(any(told))
         assert recovery.active
         turns.append(recovery.velocities(begun_s + 1.8)[1])
         recovery.velocities(begun_s + 5.0)
-    assert turns[0] == -turns[1]
-    assert not recovery.keeps_failing  # the place is not to blame
+    assert turns[0] == -turns[1] == turns[2]
+    assert blamed == [False, True, False]  # soon after the first time the place is to blame
+    assert not recovery.keeps_failing
 
 
 @pytest.mark.parametrize("velocities", [(0.2, 0.0), (0.0, 0.5)])
