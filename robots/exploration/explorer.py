@@ -190,7 +190,7 @@ class Explorer:
             shut_off = goals.shut_off(ground, self._config.planning.min_frontier_m)
             for frontier in goals.worth_going(shut_off, now_s)[:1]:
                 choice = Choice(frontier, "look whether the way beyond is open by now")
-        path = None if choice is None else ground.path_to(choice.frontier.goal, choice.along_m)
+        path = None if choice is None else ground.path_to(choice.frontier.goal)
         if choice is not None and path is not None:
             goals.goal_m = choice.frontier.goal_m
             reason = f"driving {choice.frontier.cost_m:.0f} m to {choice.why}"
