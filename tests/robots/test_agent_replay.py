@@ -41,7 +41,7 @@ def test_the_mission_itself_was_answered_the_same():
 def test_another_seed_drops_its_tags_elsewhere():
     log, config = mission_log(True)
     dropped = [update.seq for update in mission_updates(True) if update.command.drop_tag]
-    until = dropped[0] + 200
+    until = dropped[0] + 600  # some of the draws may come out alike
     other = replayed(log[:until], replace(config, seed=config.seed + 1))
     assert [u.seq for u in other if u.command.drop_tag] != [seq for seq in dropped if seq < until]
 
