@@ -190,7 +190,7 @@ class Explorer:
             shut_off = goals.shut_off(ground, self._config.planning.min_frontier_m)
             for frontier in goals.worth_going(shut_off, now_s)[:1]:
                 choice = Choice(frontier, "look whether the way beyond is open by now")
-        path = None if choice is None else ground.path_to(choice.frontier.goal, choice.along_m)
+        path = None if choice is None else ground.path_to(choice.frontier.goal)
         if choice is not None and path is not None:
             goals.goal_m = choice.frontier.goal_m
             reason = f"driving {choice.frontier.cost_m:.0f} m to {choice.why}"
@@ -274,15 +274,16 @@ class Explorer:
     def _note_obstruction(self, now_s: float, pose: Pose2) -> None:
         aim = self._aim
         goal = None if aim is None else aim.goal_m
-        if aim and goal and hypot(goal[0] - pose.x, goal[1] - pose.y) < 2.0 * _ARRIVED_M:
+        fails = self._recovery.keeps_failing  # else as good as there, and it cannot be had
+        if aim and goal and (fails or hypot(goal[0] - pose.x, goal[1] - pose.y) < 2.0 * _ARRIVED_M):
             if aim.kind == "edge":
-                self._put_aside(goal, now_s)  # as good as there, and it cannot be had
+                self._put_aside(goal, now_s)
             elif aim.kind == "suspect":
                 self._suspects.give_up()
         self._giving_way_until_s = None  # where it stepped aside to cannot be had either
         place = place_ahead(pose, self._config.body.radius_m + 0.25)
         self._blocked.add(place, now_s)
-        if self._recovery.keeps_failing:
+        if fails:
             self._give_way_at = place
 
     def _give_way(self, now_s: float, ground: Ground) -> Aim | None:

@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from math import hypot
 
 from robots.config import ConfigError, PlanningConfig
-from robots.exploration.claims import driven
 from robots.exploration.communication import Communication
 from robots.exploration.coordination import coordination_of
 from robots.exploration.coordination.original import ways_planned_alone
@@ -18,14 +17,12 @@ from robots.exploration.strategies import STRATEGIES
 from robots.exploration.strategy import (
     AnswersTags,
     ExplorationView,
-    FollowsTrails,
     KeepsGoals,
     OwnCandidates,
     Strategy,
 )
 from robots.orders import Methods
 from robots.planning.travel import UNREACHED
-from robots.se2 import Array
 from robots.types import FrontierReport
 
 MAX_REPORTED = 48
@@ -48,13 +45,12 @@ class _Aside:
     tries: int
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True)
 class Choice:
-    """A frontier to go to and why, in words after "driving 3 m to"; ``along_m`` (n, 2): rather that way."""
+    """A frontier to go to and why, in words after "driving 3 m to"."""
 
     frontier: Frontier
     why: str
-    along_m: Array | None = None
 
 
 def strategy_of(name: str) -> Strategy:
@@ -148,8 +144,7 @@ class Goals:
         self._why = self.strategy.reason(view, best)
         if team.own[best] < team.own.max():
             self._why += f", {self.coordination.why}"
-        along_m = driven(view.tags) if isinstance(self.strategy, FollowsTrails) else None
-        return Choice(chosen, self._why, along_m)
+        return Choice(chosen, self._why)
 
     def _draws_back(self, goal_m: Place) -> bool:
         """Say whether a goal was taken in place of another too often: an edge that comes and goes."""

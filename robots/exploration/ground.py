@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import floor, hypot
 
 import numpy as np
@@ -15,7 +15,6 @@ from robots.se2 import Array, Pose2
 
 _FARTHEST_M = 1e6
 _PER_CELL = 5.0  # cost of a cell in the open
-_ALONG_M, _ASIDE = 0.2, 1  # how near is along a place; what a cell costs more that is not
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -44,26 +43,11 @@ class Ground:
         row, column = _nearest(self.costs, grid.origin, grid.cell_m, x, y, min(within_m, _FARTHEST_M))
         return None if row < 0 else (row, column)
 
-    def path_to(self, cell: tuple[int, int], along_m: Array | None = None) -> Array | None:
-        """Return the way to a cell, (n, 2) points in the map frame; None where there is none.
-
-        ``along_m`` (k, 2): places through which it rather leads, a little longer if need be.
-        """
-        grid = self.grid if along_m is None or len(along_m) == 0 else self._rather_along(along_m)
+    def path_to(self, cell: tuple[int, int]) -> Array | None:
+        """Return the way to a cell, (n, 2) points in the map frame; None where there is none."""
+        grid = self.grid
         cells = find_path(grid, grid.cell_of(self.pose.x, self.pose.y), cell)
         return None if cells is None else grid.centres_of(cells)
-
-    def _rather_along(self, places_m: Array) -> PlanGrid:
-        grid, steps = self.grid, self.grid.steps
-        aside = np.ones(steps.shape, bool)
-        reach = round(_ALONG_M / grid.cell_m)
-        middle = np.floor((places_m[:, ::-1] - np.array(grid.origin[::-1])) / grid.cell_m).astype(np.int64)
-        for r in range(-reach, reach + 1):
-            for c in range(-reach, reach + 1):
-                cells = middle + np.array([r, c])
-                cells = cells[((cells >= 0) & (cells < steps.shape)).all(axis=1)]
-                aside[cells[:, 0], cells[:, 1]] = False
-        return replace(grid, steps=np.where(aside & (steps > 0), steps + _ASIDE, steps).astype(np.uint8))
 
     def distance_m(self, x: float, y: float) -> float:
         """Return how far (m) a point of the map frame is as the crow flies."""

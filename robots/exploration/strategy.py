@@ -98,13 +98,6 @@ class DropsEvenly(Protocol):
 
 
 @runtime_checkable
-class FollowsTrails(Protocol):
-    """A strategy whose robots rather drive where tags say that others drove: there are more tags to read."""
-
-    follows_trails: bool
-
-
-@runtime_checkable
 class PlansLocally(DropsEvenly, Protocol):
     """A strategy made for a small map round the robot and even tags, with ways by eq. (6) of Ziparo 2007."""
 

@@ -28,7 +28,6 @@ class Waymark:
     """Weighs ways to frontiers and beyond them against what nobody has told of and where others are."""
 
     tag_every_m = 1.0
-    follows_trails = True
 
     def __init__(self) -> None:
         self._far = FarSight()

@@ -5,13 +5,10 @@ from math import ceil
 import numpy as np
 import pytest
 
-from robots.exploration.claims import LATTICE_M, Claims, driven
-from robots.exploration.ground import Ground
+from robots.exploration.claims import LATTICE_M, Claims
 from robots.planning.plan_grid import FREE, UNKNOWN, PlanGrid
-from robots.se2 import Pose2
 from robots.tags.marks import goal_mark, key_of
 from robots.tags.memory import CLOSED, OPEN, UNSEEN, TagMemory
-from robots.tags.observed import visited_window
 
 ORIGIN = (-10.0, -10.0)
 
@@ -112,20 +109,6 @@ def test_the_unknown_share_is_that_of_the_plan_cells_whose_centres_lie_there(cel
         for c in range(unknown.shape[1]):
             block = beyond[np.ix_(at == r, at == c)]
             assert unknown[r, c] == pytest.approx((block == UNKNOWN).mean())
-
-
-def test_the_way_rather_leads_where_tags_say_that_robots_drove():
-    claims, open_ground = Claims(), grid((-9.0, -9.0, 9.0, 9.0))
-    open_ground = PlanGrid(open_ground.cells, np.where(open_ground.cells == FREE, 5, 0), ORIGIN, 0.1)
-    trail = np.array([(x, 1.0) for x in np.arange(-3.0, 3.1, 0.2)])  # a metre to the left of the way
-    claims.hear("A", TagMemory(np.zeros((1, 1), np.uint8), visited=visited_window(trail, 0.0, 1.0)))
-    ground = Ground.of(open_ground, Pose2(-6.0, 0.0, 0.0))
-    goal = open_ground.cell_of(6.0, 0.0)
-    direct = ground.path_to(goal)
-    along = ground.path_to(goal, driven(claims.tags({"A": (0.0, 1.0)}.get)))
-    assert np.abs(direct[:, 1]).max() < 0.2
-    assert np.abs(along[np.abs(along[:, 0]) < 2.0, 1] - 1.0).max() < 0.35
-    assert len(ground.path_to(goal, driven(()))) == len(direct)
 
 
 def test_what_lies_within_the_error_of_a_tags_place_is_doubtful():
