@@ -161,7 +161,7 @@ class Observation:
     tags_left: int | None = None  # in the magazine
     bumper: bool = False  # pressed against something
     held: bool = False  # standing still by an order (STOP or hold), whatever the agent commanded
-    heard: tuple[bytes, ...] = ()  # messages of the team, see robots.exploration.team_message
+    heard: tuple[bytes, ...] = ()  # messages of the team, see robots.exploration.team.team_message
     orders: tuple[RobotOrder, ...] = ()  # of an operator, given since
 
 

@@ -20,11 +20,11 @@ from robots.estimation.scans.points import scan_points
 from robots.estimation.tag_filter import RangeSighting
 from robots.estimation.tag_graph.graph import TagGraph, graph_problem
 from robots.estimation.tag_graph.smoothing import smooth_radio
-from robots.exploration.claims import Claims
-from robots.exploration.outlook import ways_beyond
-from robots.exploration.team_ground import TeamGround, tiles_of
-from robots.exploration.team_message import Patch, Tile
-from robots.exploration.three_grids import find_candidates, three_grids
+from robots.exploration.strategies.three_grids import find_candidates, three_grids
+from robots.exploration.team.team_ground import TeamGround, tiles_of
+from robots.exploration.team.team_message import Patch, Tile
+from robots.exploration.told.claims import Claims
+from robots.exploration.told.outlook import ways_beyond
 from robots.mapping.fused import FusedGrid
 from robots.planning.plan_grid import FREE, UNKNOWN, PlanGrid
 from robots.planning.travel import travel_costs

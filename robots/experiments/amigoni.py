@@ -20,7 +20,7 @@ from robots.experiments.experiment import Column, Experiment, ExperimentError, O
 from robots.experiments.exploring import maps_of
 from robots.experiments.paired import effect, equivalence, two_way
 from robots.experiments.parallel import in_parallel
-from robots.exploration.three_grids import three_grids
+from robots.exploration.strategies.three_grids import three_grids
 from robots.planning.plan_grid import FREE, OCCUPIED, PlanGrid
 from robots.se2 import Array
 from robots.sim.arena.config import ArenaConfig

@@ -10,18 +10,18 @@ import numpy as np
 
 from robots.config import AgentConfig
 from robots.exploration.aim import Aim, Decision
-from robots.exploration.claims import Claims, PlaceOf
-from robots.exploration.communication import Communication
-from robots.exploration.errands import Errands
 from robots.exploration.frontiers import Frontier
-from robots.exploration.giving_way import give_way
 from robots.exploration.goals import Choice, Goals
 from robots.exploration.ground import Ground
-from robots.exploration.homing import Homing
-from robots.exploration.recovery import Blocked, Recovery, place_ahead
-from robots.exploration.shared_grids import SharedGrids
+from robots.exploration.manners.errands import Errands
+from robots.exploration.manners.giving_way import give_way
+from robots.exploration.manners.homing import Homing
+from robots.exploration.manners.recovery import Blocked, Recovery, place_ahead
+from robots.exploration.manners.suspects import Suspects
 from robots.exploration.strategy import ExplorationView, PlansLocally
-from robots.exploration.suspects import Suspects
+from robots.exploration.team.communication import Communication
+from robots.exploration.team.shared_grids import SharedGrids
+from robots.exploration.told.claims import Claims, PlaceOf
 from robots.exploration.trail import Trail, is_at_end, rest_of
 from robots.mapping.fused import FusedGrid
 from robots.orders import Methods, OrderReport, RobotOrder

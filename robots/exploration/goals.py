@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from math import hypot
 
 from robots.config import ConfigError, PlanningConfig
-from robots.exploration.communication import Communication
 from robots.exploration.coordination import coordination_of
 from robots.exploration.coordination.original import ways_planned_alone
 from robots.exploration.coordination.team import SAME_GOAL_M, Selfish, Team
@@ -21,6 +20,7 @@ from robots.exploration.strategy import (
     OwnCandidates,
     Strategy,
 )
+from robots.exploration.team.communication import Communication
 from robots.orders import Methods
 from robots.planning.travel import UNREACHED
 from robots.types import FrontierReport

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
-from robots.exploration.communication import COMMUNICATIONS
 from robots.exploration.coordination import COORDINATIONS
 from robots.exploration.strategies import STRATEGIES
+from robots.exploration.team.communication import COMMUNICATIONS
 
 KNOWN: dict[str, Collection[str]] = {
     "explore": STRATEGIES,

@@ -14,11 +14,11 @@ import numpy as np
 
 from robots.config import AgentConfig
 from robots.exploration.aim import Decision
-from robots.exploration.claims import PlaceOf
-from robots.exploration.communication import Communication
 from robots.exploration.explorer import Explorer
 from robots.exploration.strategy import AnswersTags
-from robots.exploration.witness import Witness
+from robots.exploration.team.communication import Communication
+from robots.exploration.told.claims import PlaceOf
+from robots.exploration.told.witness import Witness
 from robots.mapping.fused import FusedGrid
 from robots.mapping.local_grid import LocalGrid
 from robots.orders import RobotOrder

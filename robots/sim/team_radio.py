@@ -6,10 +6,15 @@ from math import hypot, log10
 
 import numpy as np
 
-from robots.exploration.communication import SAY_EVERY_S
-from robots.exploration.gossip import Gossip
-from robots.exploration.team_ground import FREE
-from robots.exploration.team_message import LATTICE_CELL_M, TeamMessageError, decode_message, encode_message
+from robots.exploration.team.communication import SAY_EVERY_S
+from robots.exploration.team.gossip import Gossip
+from robots.exploration.team.team_ground import FREE
+from robots.exploration.team.team_message import (
+    LATTICE_CELL_M,
+    TeamMessageError,
+    decode_message,
+    encode_message,
+)
 from robots.se2 import Array, Pose2
 from robots.sim.channel import WALL_DB, count_walls
 from robots.sim.scenario import ScenarioConfig, is_cut

@@ -12,8 +12,8 @@ from math import exp, hypot
 import numpy as np
 
 from robots.exploration.frontiers import Frontier
+from robots.exploration.strategies.three_grids import Candidate, find_candidates, three_grids
 from robots.exploration.strategy import ExplorationView, ways_of
-from robots.exploration.three_grids import Candidate, find_candidates, three_grids
 from robots.se2 import Array
 
 _LEAST_B = 0.01

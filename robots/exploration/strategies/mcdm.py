@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from robots.exploration.choquet import Capacity
 from robots.exploration.frontiers import Frontier
 from robots.exploration.strategies.aojrf import areas_of, beyond, chances_of, safe_candidates
+from robots.exploration.strategies.choquet import Capacity
 from robots.exploration.strategy import ExplorationView, ways_of
 from robots.se2 import Array
 

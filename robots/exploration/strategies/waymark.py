@@ -10,12 +10,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from robots.exploration.claims import driven
-from robots.exploration.far_sight import FarFrontier, FarSight
 from robots.exploration.frontiers import Frontier
-from robots.exploration.outlook import ways_beyond
 from robots.exploration.strategies.information_gain import SEEN_M, SQUARE_M2, WORTH_M
 from robots.exploration.strategy import ExplorationView, goals_of, ways_of
+from robots.exploration.told.claims import driven
+from robots.exploration.told.far_sight import FarFrontier, FarSight
+from robots.exploration.told.outlook import ways_beyond
 from robots.se2 import Array
 
 _DETOUR = 1.5  # what a metre through claimed ground costs: nothing is known of its walls

@@ -9,7 +9,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from robots.config import ConfigError
-from robots.exploration.claims import KnownTag, Survey
 from robots.exploration.coordination import COORDINATIONS, coordination_of
 from robots.exploration.coordination.burgard import UTILITY_M
 from robots.exploration.coordination.exclusion import KEEP_OFF_M, Exclusion
@@ -20,6 +19,7 @@ from robots.exploration.coordination.team import NEVER, Mate, Selfish, Team, gre
 from robots.exploration.frontiers import Frontier
 from robots.exploration.strategies.nearest import Nearest
 from robots.exploration.strategy import ExplorationView, ways_of
+from robots.exploration.told.claims import KnownTag, Survey
 from robots.planning.plan_grid import FREE, OCCUPIED, PlanGrid
 from robots.planning.travel import UNREACHED, travel_costs
 from robots.se2 import Pose2

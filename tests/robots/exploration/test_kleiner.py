@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from robots.config import PlanningConfig
-from robots.exploration.claims import KnownTag, Survey
 from robots.exploration.frontiers import Frontier
 from robots.exploration.settings import KleinerConfig
 from robots.exploration.strategies.kleiner import Foreign, Kleiner, crowding, visited_places
@@ -17,6 +16,7 @@ from robots.exploration.strategies.kleiner_printed import (
     synchronise_visited,
 )
 from robots.exploration.strategy import ExplorationView
+from robots.exploration.told.claims import KnownTag, Survey
 from robots.planning.plan_grid import FREE, UNKNOWN, PlanGrid
 from robots.se2 import Pose2
 from robots.tags.memory import OPEN, TagMemory

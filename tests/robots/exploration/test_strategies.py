@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from robots.exploration.claims import Survey
 from robots.exploration.frontiers import Frontier
 from robots.exploration.strategies import STRATEGIES
 from robots.exploration.strategies.information_gain import InformationGain
 from robots.exploration.strategies.nearest import Nearest
 from robots.exploration.strategies.waymark import Waymark
 from robots.exploration.strategy import ExplorationView
+from robots.exploration.told.claims import Survey
 from robots.se2 import Pose2
 from robots.tags.memory import CLOSED, OPEN
 

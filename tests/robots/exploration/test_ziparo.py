@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from robots.exploration.claims import KnownTag, Survey
 from robots.exploration.frontiers import Frontier
 from robots.exploration.strategies.ziparo import Ziparo, angles, local_visits, visited
 from robots.exploration.strategy import ExplorationView
+from robots.exploration.told.claims import KnownTag, Survey
 from robots.se2 import Pose2
 from robots.tags.memory import TagMemory
 

@@ -8,8 +8,8 @@ import pytest
 from robots.agent import RobotAgent
 from robots.codec import decode, encode
 from robots.config import AgentConfig, PlanningConfig
-from robots.exploration.gossip import Gossip
-from robots.exploration.team_message import decode_message, encode_message
+from robots.exploration.team.gossip import Gossip
+from robots.exploration.team.team_message import decode_message, encode_message
 from robots.outputs import write_map
 from robots.se2 import Pose2
 from robots.sim.runner import run

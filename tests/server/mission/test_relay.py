@@ -7,7 +7,7 @@ import pytest
 
 from robots import codec
 from robots.config import AgentConfig, PlanningConfig
-from robots.exploration.team_message import decode_message
+from robots.exploration.team.team_message import decode_message
 from robots.sim.live import changes
 from robots.sim.scenario import ScenarioConfig
 from robots.sim.simulation import Order, Simulation

@@ -6,7 +6,7 @@ import numpy as np
 
 from robots.exploration.aim import Aim
 from robots.exploration.ground import Ground
-from robots.exploration.recovery import spot_aside
+from robots.exploration.manners.recovery import spot_aside
 
 _FOR_S = (5.0, 15.0)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from robots.config import AgentConfig
-from robots.exploration.communication import Communication
+from robots.exploration.team.communication import Communication
 from robots.mapping.fused import FusedGrid
 from robots.planning.plan_grid import FREE, PlanGrid, PlanGrids
 from robots.se2 import Array

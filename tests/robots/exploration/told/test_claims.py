@@ -5,7 +5,7 @@ from math import ceil
 import numpy as np
 import pytest
 
-from robots.exploration.claims import LATTICE_M, Claims
+from robots.exploration.told.claims import LATTICE_M, Claims
 from robots.planning.plan_grid import FREE, UNKNOWN, PlanGrid
 from robots.tags.marks import goal_mark, key_of
 from robots.tags.memory import CLOSED, OPEN, UNSEEN, TagMemory

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from robots.exploration.claims import Claims
-from robots.exploration.outlook import ways_beyond
+from robots.exploration.told.claims import Claims
+from robots.exploration.told.outlook import ways_beyond
 from robots.planning.plan_grid import FREE, OCCUPIED, UNKNOWN, PlanGrid
 from robots.tags.memory import CLOSED, OPEN, TagMemory
 

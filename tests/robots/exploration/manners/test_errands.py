@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from robots.exploration.homing import HOME_M
+from robots.exploration.manners.homing import HOME_M
 from robots.orders import Methods, RobotOrder
 from robots.se2 import Pose2
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from robots.exploration.choquet import Capacity
+from robots.exploration.strategies.choquet import Capacity
 from robots.exploration.strategies.mcdm import CAPACITY, WEIGHTS, relative
 
 UNIT = st.floats(0.0, 1.0)

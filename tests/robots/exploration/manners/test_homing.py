@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from robots.config import BodyConfig, PlanningConfig
-from robots.exploration.homing import HOME_M, Homing
+from robots.exploration.manners.homing import HOME_M, Homing
 from robots.se2 import Pose2
 
 

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from robots.exploration.team_message import (
+from robots.exploration.team.team_message import (
     MAX_BYTES,
     MAX_TILES,
     TILE_BYTES,

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from robots.config import AgentConfig, PlanningConfig
-from robots.exploration.claims import Survey
-from robots.exploration.communication import MATE_FOR_S, SAY_EVERY_S, Communication
 from robots.exploration.frontiers import Frontier
 from robots.exploration.goals import Goals
 from robots.exploration.strategies.nearest import Nearest
 from robots.exploration.strategy import ExplorationView
-from robots.exploration.team_message import decode_message
+from robots.exploration.team.communication import MATE_FOR_S, SAY_EVERY_S, Communication
+from robots.exploration.team.team_message import decode_message
+from robots.exploration.told.claims import Survey
 from robots.mapping.fused import FusedGrid
 from robots.se2 import Pose2
 

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from robots.config import PlanningConfig
-from robots.exploration.atlas import Atlas
-from robots.exploration.claims import KnownTag, Survey
-from robots.exploration.far_sight import FarFrontier, FarSight
 from robots.exploration.strategies.waymark import Waymark
 from robots.exploration.strategy import ExplorationView
-from robots.exploration.tag_ways import TagWays
+from robots.exploration.told.atlas import Atlas
+from robots.exploration.told.claims import KnownTag, Survey
+from robots.exploration.told.far_sight import FarFrontier, FarSight
+from robots.exploration.told.tag_ways import TagWays
 from robots.planning.plan_grid import FREE, OCCUPIED, UNKNOWN, PlanGrid
 from robots.planning.travel import travel_costs
 from robots.se2 import Pose2

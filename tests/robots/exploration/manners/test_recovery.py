@@ -2,7 +2,7 @@
 
 import pytest
 
-from robots.exploration.recovery import Recovery, place_ahead
+from robots.exploration.manners.recovery import Recovery, place_ahead
 from robots.se2 import Pose2
 
 HERE = Pose2(1.0, 2.0, 0.5)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from robots.exploration.witness import Witness
+from robots.exploration.told.witness import Witness
 from robots.planning.plan_grid import FREE, PlanGrid
 from robots.tags.marks import key_of
 from robots.tags.memory import CENTRED, CLOSED, TagMemory, phase_of

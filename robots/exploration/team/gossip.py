@@ -9,8 +9,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from robots.exploration.team_ground import TeamGround
-from robots.exploration.team_message import MAX_ROBOTS, MAX_TILES, Patch, TeamMessage
+from robots.exploration.team.team_ground import TeamGround
+from robots.exploration.team.team_message import MAX_ROBOTS, MAX_TILES, Patch, TeamMessage
 from robots.se2 import Pose2
 
 _IN_REACH_S = 3.0  # after the last message

@@ -11,11 +11,11 @@ from math import inf
 
 import numpy as np
 
-from robots.exploration.atlas import Atlas
-from robots.exploration.claims import Survey
 from robots.exploration.frontiers import Frontier, find_frontiers
 from robots.exploration.strategy import ExplorationView
-from robots.exploration.tag_ways import Place, TagWays, apart, nearest_reachable, reachable_near
+from robots.exploration.told.atlas import Atlas
+from robots.exploration.told.claims import Survey
+from robots.exploration.told.tag_ways import Place, TagWays, apart, nearest_reachable, reachable_near
 from robots.planning.plan_grid import OCCUPIED, UNKNOWN, PlanGrid
 from robots.se2 import Array
 

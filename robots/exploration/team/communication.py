@@ -14,10 +14,10 @@ import numpy as np
 
 from robots.config import AgentConfig, PlanningConfig
 from robots.exploration.coordination.team import Mate, Team
-from robots.exploration.gossip import Gossip
 from robots.exploration.strategy import ExplorationView, Strategy
-from robots.exploration.team_ground import tiles_of
-from robots.exploration.team_message import TeamMessageError, decode_message, encode_message
+from robots.exploration.team.gossip import Gossip
+from robots.exploration.team.team_ground import tiles_of
+from robots.exploration.team.team_message import TeamMessageError, decode_message, encode_message
 from robots.exploration.trail import Trail
 from robots.mapping.fused import FusedGrid
 from robots.mapping.local_grid import LocalGrid

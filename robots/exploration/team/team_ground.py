@@ -14,7 +14,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from robots.config import MappingConfig
-from robots.exploration.team_message import LATTICE_CELL_M, MAX_TILE, TILE_CELLS, TILE_M, Patch, Tile
+from robots.exploration.team.team_message import LATTICE_CELL_M, MAX_TILE, TILE_CELLS, TILE_M, Patch, Tile
 from robots.mapping.fused import FusedGrid
 from robots.se2 import Array, Pose2
 

@@ -8,9 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from robots.config import MappingConfig
-from robots.exploration.gossip import Gossip
-from robots.exploration.team_ground import FREE, OCCUPIED, UNKNOWN, TeamGround, tiles_of, unpacked
-from robots.exploration.team_message import (
+from robots.exploration.team.gossip import Gossip
+from robots.exploration.team.team_ground import FREE, OCCUPIED, UNKNOWN, TeamGround, tiles_of, unpacked
+from robots.exploration.team.team_message import (
     LATTICE_CELL_M,
     MAX_TILES,
     TILE_BYTES,
@@ -125,7 +125,7 @@ def test_a_crowd_is_bounded():
 
 
 def test_there_is_an_end_to_the_ground_that_is_kept(monkeypatch):
-    monkeypatch.setattr("robots.exploration.team_ground.MOST_IN_ALL", 3)
+    monkeypatch.setattr("robots.exploration.team.team_ground.MOST_IN_ALL", 3)
     listener, talker = Gossip("me"), Gossip("a")
     talker.hear(0.0, say(listener, 0.0))
     talker.ground.note("a", {(k, 0): ALL_FREE for k in range(5)})

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from robots.exploration.three_grids import find_candidates, three_grids
+from robots.exploration.strategies.three_grids import find_candidates, three_grids
 from robots.planning.plan_grid import FREE, OCCUPIED, UNKNOWN, PlanGrid
 from robots.planning.travel import travel_costs
 

@@ -10,7 +10,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from robots.exploration.claims import LATTICE_M, Survey
+from robots.exploration.told.claims import LATTICE_M, Survey
 from robots.planning.plan_grid import FREE, OCCUPIED, PlanGrid
 from robots.se2 import Array
 from robots.tags.memory import CLOSED, OPEN

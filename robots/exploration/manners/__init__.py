@@ -1,0 +1,1 @@
+"""What a robot does besides exploring: orders, going back, making way, getting free, looking into warmth."""

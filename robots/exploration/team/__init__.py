@@ -1,0 +1,1 @@
+"""What robots of a team tell each other, and what each makes of it."""

@@ -1,0 +1,1 @@
+"""What tags tell of ground that others have covered, and what is left in them."""
