@@ -44,6 +44,7 @@ class Case:
     robots: int = ROBOTS
     laser_sd_m: float = 0.0
     magazine: int = 100
+    tag_every_m: float = 0.0  # 0: by the density of tags and of obstacles (Kleiner 2006)
     one_map: bool = False
 
     def config(self, map_spec: str, seed: int) -> ArenaConfig:
@@ -59,7 +60,8 @@ class Case:
             laser=LaserConfig(sd_m=self.laser_sd_m),
             base_tag=self.magazine > 0,
             agent_config=AgentConfig(
-                planning=self.planning, deployment=DeploymentConfig(magazine=self.magazine)
+                planning=self.planning,
+                deployment=DeploymentConfig(magazine=self.magazine, even_m=self.tag_every_m),
             ),
         )
         return ArenaConfig(

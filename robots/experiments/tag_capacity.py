@@ -14,7 +14,7 @@ from robots.config import PlanningConfig
 from robots.experiments import plotting
 from robots.experiments.experiment import Column, Experiment, Options, Row, finite
 from robots.experiments.exploring import Case, explore_all, maps_of
-from robots.experiments.kleiner_exploration import NEAREST, READERS_M, rows_of
+from robots.experiments.kleiner_exploration import NEAREST, READERS_M, TAG_EVERY_M, rows_of
 from robots.exploration.settings import KleinerConfig
 
 MAPS = (("normal", "office:589"),)
@@ -27,7 +27,13 @@ _ENDS = (Case("none", NEAREST, magazine=0), Case("full", NEAREST, magazine=0, on
 def capacities(bits: Sequence[int] = BITS, readers_m: Sequence[float] = READERS_M) -> list[Case]:
     """Return Waymark's strategy with every chip and reader, and Kleiner's corrected one over tau."""
     cases = [
-        Case("waymark", PlanningConfig(explore="waymark"), reader_m=reader_m, tag_bits=size)
+        Case(
+            "waymark",
+            PlanningConfig(explore="waymark"),
+            reader_m=reader_m,
+            tag_bits=size,
+            tag_every_m=TAG_EVERY_M,
+        )
         for reader_m in readers_m
         for size in bits
     ]

@@ -15,7 +15,7 @@ import numpy as np
 from robots.config import AgentConfig
 from robots.exploration.aim import Decision
 from robots.exploration.explorer import Explorer
-from robots.exploration.strategy import AnswersTags
+from robots.exploration.strategy import AnswersTags, PlansLocally
 from robots.exploration.team.communication import Communication
 from robots.exploration.told.claims import PlaceOf
 from robots.exploration.told.witness import Witness
@@ -188,7 +188,8 @@ class Scout:
         if self.decision.drop_tag and self._dropper.drop_here(now.distance_m):
             self.explorer.errands.tag_dropped()
             return True
-        even_m: float = getattr(self.explorer.goals.strategy, "tag_every_m", 0.0)  # of DropsEvenly
+        strategy = self.explorer.goals.strategy
+        even_m = strategy.tag_every_m if isinstance(strategy, PlansLocally) else 0.0
         return self._dropper.should_drop(now.distance_m, now.pose, now.fused, now.tag_places(), even_m)
 
     def _hear(self, now: Situation, sighting: TagSighting) -> None:

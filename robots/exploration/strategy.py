@@ -91,17 +91,14 @@ class AnswersTags(Protocol):
 
 
 @runtime_checkable
-class DropsEvenly(Protocol):
-    """A strategy that wants a tag wherever none is known within so far."""
+class PlansLocally(Protocol):
+    """A strategy made for a small map round the robot, with ways by eq. (6) of Ziparo 2007.
 
-    tag_every_m: float
-
-
-@runtime_checkable
-class PlansLocally(DropsEvenly, Protocol):
-    """A strategy made for a small map round the robot and even tags, with ways by eq. (6) of Ziparo 2007."""
+    It wants a tag wherever none is known within ``tag_every_m``.
+    """
 
     local_map_m: float
+    tag_every_m: float
 
 
 def goals_of(view: ExplorationView) -> Array:

@@ -27,8 +27,6 @@ _TAKEN_M, _TAKEN_WITHIN_M = 6.0, 4.0  # what it costs to go where others went, a
 class Waymark:
     """Weighs ways to frontiers and beyond them against what nobody has told of and where others are."""
 
-    tag_every_m = 1.0
-
     def __init__(self) -> None:
         self._far = FarSight()
 
