@@ -94,7 +94,7 @@ def test_two_observations_may_share_a_stamp():
 
 
 def test_an_unknown_strategy_is_named_at_once():
-    with pytest.raises(ConfigError, match="'telepathy'; known are aojrf, .*waymark, ziparo"):
+    with pytest.raises(ConfigError, match=r"'telepathy'; known are aojrf, .*waymark, ziparo"):
         RobotAgent("r1", AgentConfig(planning=PlanningConfig(explore="telepathy")))
 
 

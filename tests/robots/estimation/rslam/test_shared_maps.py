@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from robots.estimation.rslam.map_fit import MapPlaces, fit
@@ -52,9 +52,13 @@ def test_a_map_fits_as_it_was_turned_moved_and_mirrored(seed, mirror):
     spreads = np.tile(np.eye(2) * 0.01, (5, 1, 1))
     ids = tuple("abcde")
     mine = MapPlaces(ids, frame.transform(seen), spreads)
+    long, wide = np.linalg.svd(seen - seen.mean(axis=0), compute_uv=False)
+    assume(
+        wide > max(1.0, 0.11 * long)
+    )  # nearly in a line they look alike in a mirror, which is not tried then
     found = fit(mine, MapPlaces(ids, theirs, spreads), None)
-    if found is None or np.linalg.svd(seen - seen.mean(axis=0), compute_uv=False)[1] < 1.0:
-        return  # in a line they look alike in a mirror
+    if found is None:
+        return
     assert found.agreed == ids
     moved = Pose2.from_array(found.frame).transform(found.other.places)
     assert moved == pytest.approx(mine.places, abs=1e-6)
