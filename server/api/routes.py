@@ -23,6 +23,7 @@ router = APIRouter(
     route_class=AuditedRoute,
 )
 From = Annotated[str, Query(alias="from", max_length=100, description="The tag you are at.")]
+OfMission = Annotated[str | None, Query(max_length=100, description="Only this mission.")]
 To = Annotated[str, Query(max_length=120, description="victim:ID, tag:ID or note:ID.")]
 
 
@@ -54,18 +55,22 @@ async def get_route(mission: OneMission, from_: From, to: To) -> RouteOut:
 
 
 @where.get("/where/{tag_id}", summary="Where am I?", operation_id="get_where")
-async def get_where(tag_id: str, missions: AllMissions, by: Viewer) -> WhereOut:
+async def get_where(tag_id: str, missions: AllMissions, by: Viewer, mission: OfMission = None) -> WhereOut:
     """Return where a tag is, in the latest running mission that has it, and what is near it."""
-    able = [m for m in missions.all() if by.is_for(m.mission_id) and m.board.get(f"tag/{tag_id}")]
+    able = [
+        m
+        for m in missions.all()
+        if by.is_for(m.mission_id) and m.board.get(f"tag/{tag_id}") and mission in (None, m.mission_id)
+    ]
     if not able:
         raise ApiError(404, "unknown_tag", f"No mission here knows a tag {tag_id!r}; check its number.")
-    mission = max(able, key=lambda m: (m.roster.record.state == "running", m.roster.record.created_unix_s))
-    found = whereabouts(mission.board, mission.routes, mission.shared_map.grid, tag_id)
+    latest = max(able, key=lambda m: (m.roster.record.state == "running", m.roster.record.created_unix_s))
+    found = whereabouts(latest.board, latest.routes, latest.shared_map.grid, tag_id)
     return WhereOut(
         **found
         | {
-            "mission_id": mission.mission_id,
-            "mission_name": mission.roster.record.name,
+            "mission_id": latest.mission_id,
+            "mission_name": latest.roster.record.name,
             "neighbours": [NeighbourOut(**item) for item in found["neighbours"]],
             "victims": [NearVictimOut(**item) for item in found["victims"]],
         }

@@ -72,7 +72,10 @@ async def get_memory_content(tag_id: str, mission: OneMission) -> MemoryOut:
     """Return what a tag's memory says of the ground round it, of victims, notes and those who passed."""
     told = await mission.memories.told(tag_id)
     if told is None:
-        raise unknown("tag", tag_id)
+        if mission.board.get(f"tag/{tag_id}") is None and mission.board.get(f"node/{tag_id}") is None:
+            raise unknown("tag", tag_id)
+        sentences = ["Nobody has read or written its memory yet."]
+        return MemoryOut(tag_id=tag_id, cell_m=CELL_M, memory=None, sentences=sentences)
     return MemoryOut(tag_id=tag_id, cell_m=CELL_M, memory=told[0], sentences=told[1])
 
 

@@ -33,9 +33,10 @@ class MemoryOut(Wire):
 
     tag_id: str
     cell_m: float = Field(description="Side of a cell of the window.")
-    memory: dict[str, Any] = Field(
-        description="As `waymark tag decode` tells it: `window` and `visited` have one text a row, north"
-        " first and west to the left, the tag in the middle; `.` is not seen, `o` open, `#` closed."
+    memory: dict[str, Any] | None = Field(
+        description="Null while nobody has read or written it. As `waymark tag decode` tells it: `window`"
+        " and `visited` have one text a row, north first and west to the left, the tag in the middle; `.` is"
+        " not seen, `o` open, `#` closed."
     )
     sentences: list[str] = Field(description="What it holds beside the ground, for people.")
 

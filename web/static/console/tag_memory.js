@@ -1,6 +1,6 @@
 /** What the selected tag's memory says: the ground round it as a small picture, and the rest in sentences. */
 
-import { ApiError, missionPath, request } from "./api.js";
+import { missionPath, request } from "./api.js";
 import { Component, html } from "./vendor.js";
 
 /** @import {Store} from "./store.js" */
@@ -32,14 +32,14 @@ export class TagMemory extends Component {
     try {
       this.setState({ content: await request("GET", path), words: "" });
     } catch (error) {
-      const isEmpty = error instanceof ApiError && error.status === 404;
-      this.setState({ words: isEmpty ? "Nobody has read or written its memory yet." : /** @type {Error} */ (error).message });
+      this.setState({ words: /** @type {Error} */ (error).message });
     }
   }
 
   render() {
     const { content, words } = this.state;
     if (!content) return html`<p>${words ?? "Asking what its memory says."}</p>`;
+    if (!content.memory) return html`<p>${content.sentences.join(" ")}</p>`;
     const rows = content.memory.window;
     const side_m = rows.length * content.cell_m;
     const seen = rows.join("").replaceAll(".", "").length;

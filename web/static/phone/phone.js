@@ -42,7 +42,7 @@ const wordsOf = (error) => (error instanceof ApiError ? error.message : String(e
 async function load() {
   if (!state.tagId) return;
   try {
-    state.where = await request("GET", `/where/${encodeURIComponent(state.tagId)}`);
+    state.where = await request("GET", `/where/${encodeURIComponent(state.tagId)}${location.search}`);
     await findWay();
   } catch (error) {
     state.trouble = wordsOf(error);
