@@ -74,12 +74,10 @@ class Accounts:
         Raises:
             ApiError: the link is none, used or too old; or the name is taken.
         """
+        self._link(secret)  # or anybody could keep a core busy with hashing
         password_hash = await self._hashed(password)
         async with self._changing:
-            link = self._links.get(digest(secret))
-            if link is None or link.expires_unix_s < time.time():
-                message = "This link has been used or is too old; ask a commander for a new one."
-                raise ApiError(403, "link_over", message)
+            link = self._link(secret)  # somebody may have used it meanwhile
             if any(account.name.casefold() == name.casefold() for account in self._accounts.values()):
                 message = f"Somebody is called {name} already; take another name, or log in."
                 raise ApiError(409, "name_taken", message, "name")
@@ -89,13 +87,21 @@ class Accounts:
             self._accounts[account.account_id] = account
         return await self._begin(account), account
 
+    def _link(self, secret: str) -> LinkRecord:
+        link = self._links.get(digest(secret))
+        if link is None or link.expires_unix_s < time.time():
+            message = "This link has been used or is too old; ask a commander for a new one."
+            raise ApiError(403, "link_over", message)
+        return link
+
     async def log_in(self, name: str, password: str, sender: str) -> tuple[str, AccountRecord]:
         """Begin a session; return its secret.
 
         Raises:
             ApiError: name or password are wrong, or too many tries were.
         """
-        keys = f"name {name.casefold()}", f"from {sender}"
+        # a name alone must not be locked by others' wrong tries: its owner may be needed now
+        keys = f"{name.casefold()} from {sender}", f"from {sender}"
         self._attempts.check(*keys)
         found = [a for a in self._accounts.values() if a.name.casefold() == name.casefold()]
         account = found[0] if found and not found[0].disabled else None

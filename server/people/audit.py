@@ -4,17 +4,21 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Coroutine
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
+import structlog
 from fastapi import Request, Response
 from fastapi.routing import APIRoute
 
+from db.errors import DatabaseError
 from db.people_records import AuditRecord
 from db.store import Store
 from server.people.actor import Actor
 
 _READS = {"GET", "HEAD", "OPTIONS"}
+
+log = structlog.get_logger()
 
 
 @dataclass(slots=True)
@@ -49,16 +53,18 @@ async def _note(request: Request, action: str) -> None:
     change: Change = getattr(request.state, "change", None) or Change()
     store: Store = request.app.state.missions.store
     names = [value for key, value in request.path_params.items() if key != "mission_id"]
-    await store.people.note(
-        AuditRecord(
-            audit_id=0,
-            unix_s=time.time(),
-            mission_id=request.path_params.get("mission_id"),
-            by=actor.name,
-            role=actor.role,
-            action=action,
-            subject=change.subject or " ".join(map(str, names)),
-            before=change.before,
-            after=change.after,
-        )
+    record = AuditRecord(
+        audit_id=0,
+        unix_s=time.time(),
+        mission_id=request.path_params.get("mission_id"),
+        by=actor.name,
+        role=actor.role,
+        action=action,
+        subject=change.subject or " ".join(map(str, names)),
+        before=change.before,
+        after=change.after,
     )
+    try:
+        await store.people.note(record)
+    except DatabaseError as error:  # what was done is done: whoever pressed STOP has to be told that it holds
+        log.error("a change could not be noted", change=asdict(record), reason=str(error))

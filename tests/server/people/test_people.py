@@ -6,8 +6,10 @@ import itertools
 import re
 import time
 
+import httpx
 import pytest
-from websockets.exceptions import ConnectionClosed
+from websockets.exceptions import ConnectionClosed, InvalidStatus
+from websockets.sync.client import connect
 
 from server.people.actor import Actor
 from server.people.attempts import Attempts
@@ -284,3 +286,26 @@ def test_hostile_names_and_bodies_are_refused(shared):
     assert shared.code(shared.ada, "POST", "/links", role="king") == (422, "invalid")
     assert shared.code(shared.ada, "PATCH", "/accounts/none", role="viewer") == (404, "unknown_account")
     assert shared.code(shared.ada, "DELETE", "/robot-tokens/none") == (404, "unknown_token")
+
+
+def test_stop_is_answered_although_it_cannot_be_noted(shared, mission):
+    with shared.control.failing("audit"):
+        assert shared.call(shared.ada, "POST", f"/missions/{mission}/stop", robots=None).status_code == 200
+
+
+def test_wrong_tries_from_elsewhere_do_not_lock_out_an_account():
+    attempts = Attempts()
+    for _ in range(20):
+        attempts.wrong("ada from 10.0.0.9", "from 10.0.0.9")
+    attempts.check("ada from 10.0.0.2", "from 10.0.0.2")
+
+
+def test_the_3d_view_is_for_those_who_are_logged_in(shared, mission):
+    page = f"http://127.0.0.1:{shared.control.port}/viser/{mission}"
+    assert httpx.get(f"{page}/").status_code == 401
+    assert httpx.get(f"{page}/", headers=shared.ada).status_code == 200
+    made = shared.call(shared.ada, "POST", "/robot-tokens", label="other", mission_id="elsewhere").json()
+    foreign = {"Authorization": f"Bearer {made['token']}"}
+    assert httpx.get(f"{page}/", headers=foreign).status_code == 401
+    with pytest.raises(InvalidStatus), connect(page.replace("http", "ws")):
+        pass
