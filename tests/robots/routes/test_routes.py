@@ -9,8 +9,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from robots.routes.planner import Hazard, NoRouteError, RouteMap
+from robots.routes.sight import is_clear
 from robots.routes.ways import Way, length, shortest_ways, simplified, ways_along
 from robots.routes.words import bearing_deg, compass_point, leg_text
+from robots.team import TeamGrid
 
 names = st.sampled_from("ABCDEFG")
 places = {name: (float(3 * k % 7), float(5 * k % 11)) for k, name in enumerate("ABCDEFG")}
@@ -124,3 +126,14 @@ def test_hazards_are_gone_round_where_that_is_possible_and_told_where_not():
         (leg,) = RouteMap([direct], hazards=[hazard]).route("A", ["B"])
         assert leg_text(leg).endswith(f"to tag B. Take care: {hazard.text}.")
     assert [leg.way.to_tag for leg in RouteMap([direct, *round_]).route("A", ["B"])] == ["B"]
+
+
+def test_a_wall_hides_what_is_behind_it_but_not_what_lies_against_it():
+    cells = np.zeros((60, 100), np.int8)
+    cells[:50, 40:42] = 100  # a wall at x = 4 m that ends at y = 5 m
+    grid = TeamGrid(cells, (0.0, 0.0), 0.1, 1)
+    assert is_clear(grid, (1.0, 1.0), (3.0, 3.0))
+    assert not is_clear(grid, (1.0, 1.0), (8.0, 1.0))
+    assert is_clear(grid, (1.0, 5.5), (8.0, 5.5))
+    assert is_clear(grid, (1.0, 1.0), (4.1, 1.0))  # against the wall
+    assert is_clear(grid, (-9.0, 1.0), (1.0, 1.0))  # from beyond the map
