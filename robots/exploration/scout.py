@@ -140,6 +140,8 @@ class Scout:
         doubts: tuple[str, ...] = ()
         if now.seq is not None:  # from the second observation on it is known where the map points
             doubts = self._communication.hear(now.stamp_s, now.north, now.heard)
+        if now.heard:
+            self.explorer.homing.hear(now.pose)
         drop, say = False, None
         whole, now = now.fused, self._with_local_map(now)
         self._dropper.magazine(now.tags_left)

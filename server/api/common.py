@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Annotated, Any
 
 from fastapi import Depends, Path, Request
@@ -61,24 +61,33 @@ def _actor(connection: HTTPConnection, access: TheAccess) -> Actor:
     return actor
 
 
-def needs(role: Role, *, robots: bool = False) -> Callable[..., Actor]:
-    """Return a dependency that lets in who has this role or one above, and with ``robots`` robots too."""
+@dataclass(frozen=True, slots=True)
+class Needs:
+    """A dependency that lets in who has this role or one above, and with ``robots`` robots too."""
 
-    def check(connection: HTTPConnection, actor: Annotated[Actor, Depends(_actor)]) -> Actor:
+    role: Role
+    robots: bool = False
+
+    def __call__(self, connection: HTTPConnection, actor: Annotated[Actor, Depends(_actor)]) -> Actor:
+        """Return who it is.
+
+        Raises:
+            ApiError: their role, or the robot's token, is not for this.
+        """
         mission_id, robot_id = (connection.path_params.get(name) for name in ("mission_id", "robot_id"))
         if actor.is_robot:
-            if not (robots or role == "viewer"):
-                raise ApiError(403, "not_for_robots", f"A robot's token is not for this; {_ASK[role]}.")
+            if not (self.robots or self.role == "viewer"):
+                message = f"A robot's token is not for this; {_ASK[self.role]}."
+                raise ApiError(403, "not_for_robots", message)
             if not actor.is_for(mission_id, robot_id):
                 message = "This token is for another mission or robot; ask a commander for one for this."
                 raise ApiError(403, "other_scope", message)
-        elif not actor.may(role):
-            message = f"This is for the role {role} and above, and yours is {actor.role}; {_ASK[role]}."
+        elif not actor.may(self.role):
+            message = (
+                f"This is for the role {self.role} and above, and yours is {actor.role}; {_ASK[self.role]}."
+            )
             raise ApiError(403, "role_too_low", message)
         return actor
-
-    check.role, check.robots = role, robots  # type: ignore[attr-defined]
-    return check
 
 
 _ASK: dict[Role, str] = {
@@ -87,19 +96,19 @@ _ASK: dict[Role, str] = {
     "operator": "ask an operator to do it, or a commander for the role",
     "commander": "ask a commander to do it",
 }
-READS = [Depends(needs("viewer"))]
+READS = [Depends(Needs("viewer"))]
 """What every router of a mission asks for, whatever its routes ask for besides."""
-Viewer = Annotated[Actor, Depends(needs("viewer"))]
-Responder = Annotated[Actor, Depends(needs("responder"))]
-Operator = Annotated[Actor, Depends(needs("operator"))]
-Commander = Annotated[Actor, Depends(needs("commander"))]
-RobotOrOperator = Annotated[Actor, Depends(needs("operator", robots=True))]
+Viewer = Annotated[Actor, Depends(Needs("viewer"))]
+Responder = Annotated[Actor, Depends(Needs("responder"))]
+Operator = Annotated[Actor, Depends(Needs("operator"))]
+Commander = Annotated[Actor, Depends(Needs("commander"))]
+RobotOrOperator = Annotated[Actor, Depends(Needs("operator", robots=True))]
 
 
 def change_of(request: Request) -> Change:
     """Return what the audit log will say of the change that this request makes."""
-    request.state.change = Change()
-    return request.state.change  # type: ignore[no-any-return]
+    change = request.state.change = Change()
+    return change
 
 
 TheChange = Annotated[Change, Depends(change_of)]

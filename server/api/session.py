@@ -5,7 +5,7 @@ from __future__ import annotations
 from fastapi import APIRouter, Depends, Request, Response
 
 from db.people_records import AccountRecord
-from server.api.common import ERRORS, TheAccess, change_of, needs
+from server.api.common import ERRORS, Needs, TheAccess, change_of
 from server.people.access import COOKIE
 from server.people.accounts import SESSION_S
 from server.people.actor import Actor
@@ -35,7 +35,7 @@ async def log_in(body: LoginIn, access: TheAccess, request: Request, response: R
     status_code=204,
     summary="Log out",
     operation_id="log_out",
-    dependencies=[Depends(needs("viewer"))],
+    dependencies=[Depends(Needs("viewer"))],
 )
 async def log_out(access: TheAccess, request: Request, response: Response) -> None:
     """End the session: every page and stream of it is closed."""

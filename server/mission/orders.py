@@ -9,7 +9,7 @@ from typing import Any
 import structlog
 
 from db.errors import DatabaseError
-from db.records import OrderRecord
+from db.records import OrderRecord, Severity
 from db.store import Store
 from robots.orders import PLACED, Methods, RobotOrder
 from robots.types import AgentUpdate, Observation
@@ -98,10 +98,10 @@ class Orders:
             order = replace(order, state=report.state, text=report.text)
             await self._advance(order)
             if report.state == "failed" or order.kind in _DONE_KINDS:
-                severity = "warning" if report.state == "failed" else "info"
+                severity: Severity = "warning" if report.state == "failed" else "info"
                 what = words(order).partition(" ")[2]
                 text = f"{order.robot_id}, ordered {what}: {report.state}, {report.text}."
-                await self._events.tell(f"order_{report.state}", text, order.robot_id, severity)  # type: ignore[arg-type]
+                await self._events.tell(f"order_{report.state}", text, order.robot_id, severity)
 
     async def _advance(self, order: OrderRecord) -> None:
         """Keep a new state; the log holds the order itself, so a database that is full loses little."""

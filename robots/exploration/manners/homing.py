@@ -25,7 +25,7 @@ _JUMP_M = 0.5  # between two decisions: the map moved, not the robot
 class Homing:
     """Watches battery and clock of one robot. The base is where its map began.
 
-    ``battery`` as last heard, 0..1, None while unknown.
+    ``battery`` as last heard, 0..1, None while unknown; ``contact_m`` where others were heard last.
     """
 
     def __init__(self, planning: PlanningConfig, body: BodyConfig) -> None:
@@ -37,7 +37,7 @@ class Homing:
         self._full = 1.0  # the battery when learning began
         self._driven_m = 0.0  # since then
         self._way_m = 0.0  # back to the base, when last known
-        self._contact_m: tuple[float, float] | None = None
+        self.contact_m: tuple[float, float] | None = None
         self._low = False
 
     @property
@@ -64,7 +64,7 @@ class Homing:
 
     def hear(self, pose: Pose2) -> None:
         """Note that others were heard here (map frame): the last contact."""
-        self._contact_m = pose.x, pose.y
+        self.contact_m = pose.x, pose.y
 
     def due(self, now_s: float, ground: Ground) -> str | None:
         """Return why the robot has to go back now, None while it need not."""
@@ -91,7 +91,7 @@ class Homing:
         To the base; to where others were heard last when that is nearer and the battery does not reach home.
         """
         place, name = (0.0, 0.0), "the base"
-        contact = self._contact_m
+        contact = self.contact_m
         if contact is not None and self._falls_short(ground):
             at = ground.nearest(*contact, HOME_M)
             if at is not None and ground.cost_m(at) < self._way_m:

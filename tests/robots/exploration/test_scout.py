@@ -74,3 +74,11 @@ def test_with_a_small_map_it_goes_to_the_edge_of_that_and_forgets_the_rest():
         intent = scout.step(situation(stamp_s=float(second)))
     assert 1.5 < abs(intent.decision.path_m[-1, 0]) < 2.1
     assert scout.explored_m2 < 16.0
+
+
+def test_where_others_were_heard_is_where_it_goes_when_the_battery_does_not_reach_home():
+    scout = Scout("r1", CONFIG)
+    scout.step(situation(pose=Pose2(1.0, 0.2, 0.0)))
+    assert scout.explorer.homing.contact_m is None
+    scout.step(situation(pose=Pose2(1.0, 0.2, 0.0), heard=(b"even a garbled message",)))
+    assert scout.explorer.homing.contact_m == (1.0, 0.2)

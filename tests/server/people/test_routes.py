@@ -8,6 +8,7 @@ from fastapi.dependencies.models import Dependant
 from fastapi.routing import APIRoute
 
 import server.api
+from server.api.common import Needs
 from server.people.audit import AuditedRoute
 
 FOR_EVERYBODY = {"get_health", "get_session", "log_in", "join_by_link"}
@@ -22,10 +23,10 @@ def routes():
 
 
 def roles(dependant: Dependant):
-    found = [getattr(dependant.call, "role", None)]
+    found = [dependant.call.role] if isinstance(dependant.call, Needs) else []
     for inner in dependant.dependencies:
         found += roles(inner)
-    return [role for role in found if role is not None]
+    return found
 
 
 def test_every_route_asks_who_it_is():

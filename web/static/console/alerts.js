@@ -1,7 +1,7 @@
 /** Alerts, and the card of the selected tag with what it measures. */
 
 import { age, fixed, timeOfDay } from "./format.js";
-import { acknowledge, alarming, ALERT_KINDS, alertsOf, isOpen, readings, subjectOf } from "./node_sensors.js";
+import { acknowledge, alarming, ALERT_KINDS, alertsOf, endMayday, isOpen, readings, subjectOf } from "./node_sensors.js";
 import { TagMemory } from "./tag_memory.js";
 import { html } from "./vendor.js";
 
@@ -49,7 +49,9 @@ function AlertCard({ alert, store, onSelect }) {
 
 /** @param {{alert: Alert, store: Store}} props */
 function Acknowledgement({ alert, store }) {
-  if (!isOpen(alert)) return html`<p class="card-foot">Noted by ${alert.acknowledged_by}</p>`;
+  if (!isOpen(alert)) return html`<p class="card-foot">Noted by ${alert.acknowledged_by}
+    ${alert.kind === "mayday" && alert.over_unix_s == null && html`<button type="button"
+      onClick=${() => endMayday(store, alert)}>It is over</button>`}</p>`;
   return html`<div class="card-foot"><span>New</span>
     <button type="button" onClick=${(/** @type {Event} */ event) => acknowledge(store, [alert], event)}
             aria-label=${`Acknowledge: ${alert.text}`}>Acknowledge</button></div>`;

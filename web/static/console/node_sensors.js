@@ -68,6 +68,16 @@ export function alarming(alert, node) {
   return `${fixed(node.pressure_hpa, 0)} hPa`;
 }
 
+/** Somebody's MAYDAY was seen to. @param {Store} store @param {Alert} alert */
+export async function endMayday(store, alert) {
+  const name = alert.alert_id.slice("mayday:".length);
+  try {
+    await request("DELETE", `${missionPath(store.missionId ?? "")}/alerts/mayday/${encodeURIComponent(name)}`);
+  } catch (error) {
+    store.notify(`MAYDAY of ${name} was not ended. ${/** @type {Error} */ (error).message}`);
+  }
+}
+
 /**
  * Take note of alerts, one after the other.
  * @param {Store} store

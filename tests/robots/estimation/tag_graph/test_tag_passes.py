@@ -10,22 +10,8 @@ import pytest
 from robots.agent import RobotAgent
 from robots.config import AgentConfig
 from robots.se2 import Pose2
-from robots.types import Displacement, DistanceTurn, ImuReading, Observation, Odometry, TagSighting
-
-
-def driving(
-    steps: int, odometry: Odometry, tags: dict[int, str] | None = None, start: int = 0
-) -> list[Observation]:
-    """A log without a laser: the same odometry ``steps`` times, at 5 Hz, with tags at some of them."""
-    return [
-        Observation(
-            seq=seq,
-            stamp_s=seq * 0.2,
-            odometry=odometry,
-            tag_sightings=(TagSighting(tags[seq]),) if tags and seq in tags else (),
-        )
-        for seq in range(start, start + steps)
-    ]
+from robots.types import Displacement, DistanceTurn, ImuReading, Observation, TagSighting
+from tests.robots.recorded import driving
 
 
 def test_at_a_tag_the_filter_restarts_and_the_way_becomes_an_edge():

@@ -57,7 +57,10 @@ def test_beside_the_place_it_turns_to_face_it(rover, make_hall):
     fused = make_hall(known_to_m=15.0, walls=((5.0, 1.5, 6.0, 2.5),))  # it lies on something
     robot = rover(fused, Pose2(2.0, 0.0, 0.0))
     place = (5.5, 2.0)
-    seen_now_and_then = lambda r: (Suspect("r1-V1", place, int(r.now_s), r.now_s),)  # noqa: E731
+
+    def seen_now_and_then(r):
+        return (Suspect("r1-V1", place, int(r.now_s), r.now_s),)
+
     robot.drive(25.0, lambda d: d.reason.startswith("looking whether"), seen_now_and_then)
     robot.drive(3.0, suspects=seen_now_and_then)
     bearing = wrap(atan2(place[1] - robot.pose.y, place[0] - robot.pose.x) - robot.pose.theta)
