@@ -3,13 +3,14 @@
 import { html } from "../console/vendor.js";
 import { state } from "./state.js";
 import { say } from "./texts.js";
+import { touch } from "./touch.js";
 
 export function Entry() {
   /** @param {SubmitEvent} event */
   const go = (event) => {
     event.preventDefault();
     const id = String(new FormData(/** @type {HTMLFormElement} */ (event.target)).get("id")).replace(/\s+/g, "");
-    if (id) location.assign(`/t/${encodeURIComponent(id)}`);
+    if (id) touch(id);
   };
   return html`<h1>${say("which_tag")}</h1>
     ${state.trouble && html`<p class="trouble" role="alert">${state.trouble}</p>`}
