@@ -199,7 +199,7 @@ function show() {
   document.title = `${state.tagId ? `Tag ${state.tagId}` : "Tag"} · Waymark`;
   render(html`<${Page} />`, /** @type {HTMLElement} */ (document.getElementById("page")));
   render(state.where && (state.called ? html`<p role="status"><b>MAYDAY was called. Stay where you are if you can.</b></p>`
-    : html`<${HoldButton} label="MAYDAY: press and hold" name="MAYDAY" kind="mayday" onFire=${mayday} />`),
+    : html`<${HoldButton} label="MAYDAY: press and hold" name="MAYDAY: press and hold" kind="mayday" onFire=${mayday} />`),
     /** @type {HTMLElement} */ (document.getElementById("foot")));
 }
 
