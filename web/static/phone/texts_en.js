@@ -47,7 +47,6 @@ export const EN = {
 
   // help
   mayday_hold: "MAYDAY: press and hold",
-  mayday: "MAYDAY",
   mayday_called: "MAYDAY was called. Stay where you are if you can.",
   mayday_not_sent: "MAYDAY was NOT sent. {why}",
   evacuate: "EVACUATE. Everybody out, says {by}.",
