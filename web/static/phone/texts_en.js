@@ -47,6 +47,11 @@ export const EN = {
   way_to: "The way to {goal}",
   to_goal: "To {goal}, {far} in all",
   goal_victim: "victim {name}", goal_tag: "tag {name}", goal_note: "note {name}",
+  go: "go {far} {way}",
+  turn_left: "turn left and go {far}", turn_right: "turn right and go {far}", turn_round: "turn round and go {far}",
+  leg: "{pieces} to tag {tag}.",
+  take_care: "Take care: {hazard}.",
+  last_leg: "From tag {tag} go {far} {way}: there is {goal}.",
   there: "You are there: {goal}.",
   done: "Done",
   arrow: "Arrow, {degrees} degrees from north",
@@ -65,7 +70,6 @@ export const EN = {
 
   // help
   mayday_hold: "MAYDAY: press and hold",
-  mayday: "MAYDAY",
   mayday_called: "MAYDAY was called. Stay where you are if you can.",
   mayday_not_sent: "MAYDAY was NOT sent. {why}",
   evacuate: "EVACUATE. Everybody out, says {by}.",
