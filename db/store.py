@@ -13,6 +13,7 @@ from db.missions import MissionStore
 from db.nodes import NodeStore
 from db.orders import OrderStore
 from db.people import PeopleStore
+from db.reports import ReportStore
 from db.tags import TagStore
 
 
@@ -30,6 +31,7 @@ class Store:
         self.orders = OrderStore(database)
         self.findings = FindingStore(database)
         self.people = PeopleStore(database)
+        self.reports = ReportStore(database)
 
     @classmethod
     async def open(cls, target: str | Path) -> Store:

@@ -1,4 +1,4 @@
-"""The files that make the phone's page, found by following its links and imports, and the worker that keeps them."""
+"""The files that make the phone's page, found by its links and imports, and the worker that keeps them."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pathlib import Path
 
 _LINKS = re.compile(r'(?:href|src)="(/[^"]+)"')
 _IMPORTS = re.compile(r'^(?:import|export)\b[^;]*?\bfrom "([^"]+)";|^import "([^"]+)";', re.MULTILINE)
-_LAZY = re.compile(r'\bimport\("([^"]+)"\)')
+_LAZY = re.compile(r'\b(?:import\(|\.src = )"([^"]+)"')
 PAGE, WORKER = "/phone", "phone/sw.js"
 
 

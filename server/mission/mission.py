@@ -39,6 +39,7 @@ from server.mission.presence import Presence
 from server.mission.recovery import Recovery
 from server.mission.relay import Relay
 from server.mission.replies import fresh_of, reply_to
+from server.mission.reports import Reports
 from server.mission.robot_alerts import RobotAlerts
 from server.mission.roster import Roster
 from server.mission.routes import Routes
@@ -75,6 +76,9 @@ class Mission:
         self.alerts = Alerts(store, mission_id, self.board, self.events)
         self.evacuation = Evacuation(store, mission_id, self.board, self.events)
         self.victims = Victims(store, mission_id, self.board, self.events, self.alerts)
+        self.reports = Reports(
+            store, mission_id, self.board, self.annotations, self.victims, self.alerts, self.evacuation
+        )
         self.memories = Memories(store, mission_id, bytes.fromhex(record.tag_key), self.events)
         self.nodes = Nodes(store, mission_id, self.board, self.alerts)
         self._tasks = Tasks(mission_id)
@@ -107,6 +111,7 @@ class Mission:
         await self.evacuation.restore()
         await self.annotations.restore()
         await self.victims.restore()
+        await self.reports.restore()
         await self.nodes.restore()
         await self.orders.restore()
         await self.shared_map.restore()

@@ -53,5 +53,5 @@ export function Mayday() {
   if (!here()) return null;
   if (waiting().some(({ kind }) => kind === "mayday")) return html`<p class="alarm" role="alert">${say("mayday_waits")}</p>`;
   if (state.called) return html`<p role="status"><b>${say("mayday_called")}</b></p>`;
-  return html`<${HoldButton} label=${say("mayday_hold")} name=${say("mayday")} kind="mayday" onFire=${callMayday} />`;
+  return html`<${HoldButton} label=${say("mayday_hold")} name=${say("mayday_hold")} kind="mayday" onFire=${callMayday} />`;
 }

@@ -2,7 +2,7 @@
 
 import { html, render } from "../console/vendor.js";
 import { Alarm, lookForOrders, Mayday } from "./alarm.js";
-import { Entry } from "./entry.js";
+import { Doubt, Entry } from "./entry.js";
 import { Guide } from "./guide.js";
 import { openOutbox } from "./outbox.js";
 import { openPockets } from "./pockets.js";
@@ -19,16 +19,18 @@ const AGES_MS = 10_000;
 
 function Page() {
   const { where } = state;
-  if (!where) return html`<${Entry} />`;
+  const trouble = html`${state.trouble && html`<p class="trouble" role="alert">${state.trouble}</p>`}<${Doubt} />`;
+  if (!where) return html`<h1>${say("which_tag")}</h1>${trouble}<${Entry} />`;
   const goal = target();
   return html`<h1>${say("tag", { tag: where.tag_id })}</h1>
-    ${state.trouble && html`<p class="trouble" role="alert">${state.trouble}</p>`}
+    ${trouble}
     ${state.said && html`<p role="status">${state.said}</p>`}
     ${goal && state.route && html`<${Guide} route=${state.route} to=${goal.to} />`}
     <p class="where">${where.text}${where.sd_m > 1 ? ` ${say("place_unsure", { far: metres(where.sd_m) })}` : ""}</p>
     ${where.notice && html`<p class="trouble">${where.notice}</p>`}
     ${where.victims.length > 0 && html`<h2>${say("lead_me_to")}</h2><ul>${where.victims.map(NearVictim)}</ul>`}
     <${Word} />
+    <h2>${say("at_another_tag")}</h2><${Entry} />
     <p class="soft">${where.mission_name}</p>`;
 }
 

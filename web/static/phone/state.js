@@ -17,6 +17,9 @@ export const state = {
   /** Compass heading of the phone, degrees from north; null where it tells none. @type {number | null} */ heading: null,
   /** @type {Evacuation | null} */ evacuation: null,
   called: false,
+  scanning: false,
+  /** A tag's link of another server that was touched or scanned. @type {{tagId: string, host: string} | null} */ foreign: null,
+  /** Tags that a typed number may mean. @type {string[]} */ choices: [],
 };
 
 /** @type {(() => void)[]} */

@@ -9,6 +9,24 @@ export const EN = {
   tag_unknown_here: "This phone does not know tag {tag}, and the server cannot be reached. Read another tag.",
   nothing_here: "This phone has no mission yet, and the server cannot be reached. Open this page once where it can.",
   log_in_to_see: "Log in to see where tag {tag} is.",
+  at_another_tag: "At another tag",
+  scan_label: "Scan a label",
+  hold_on_label: "Hold the camera on the label's square of dots.",
+  camera_picture: "What the camera sees",
+  camera_off: "Camera off",
+  camera_refused: "The camera may not be used here. Allow it in the browser's settings for this page, or type the number.",
+  camera_none: "This device has no camera. Type the number on the label.",
+  camera_busy: "Another program uses the camera. Close it and try again, or type the number.",
+  camera_insecure: "The browser keeps the camera for pages with https. Type the number on the label.",
+  camera_broken: "The camera does not work. Type the number on the label.",
+  reader_missing: "The reader of codes could not be loaded without the server. Type the number on the label.",
+  not_a_tag: "That code is no tag of Waymark. It says: {text}",
+  label_foreign: "Take care: this label is for another server, {host}. Its tag {tag} may not be ours.",
+  open_anyway: "Open our {tag}",
+  not_ours: "Not ours",
+  number_mistyped: "No tag here has the number {typed}. Look again: a character is wrong, or one is missing.",
+  number_unknown: "The number {typed} is typed rightly, but no mission here has that tag yet.",
+  which_of_them: "Several tags have this number. Which one is it?",
   tag: "Tag {tag}",
 
   // where am I
@@ -98,7 +116,6 @@ export const EN = {
 
   // help
   mayday_hold: "MAYDAY: press and hold",
-  mayday: "MAYDAY",
   mayday_called: "MAYDAY was called. Stay where you are if you can.",
   mayday_waits: "MAYDAY is NOT sent yet: no signal. It goes out by itself as soon as it can. Shout, use the radio.",
   evacuate: "EVACUATE. Everybody out, says {by}.",

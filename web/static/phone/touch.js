@@ -54,7 +54,7 @@ export async function touch(tagId, mission = null, isBack = false) {
   const address = tagId ? `/t/${encodeURIComponent(tagId)}${mission ? `?mission=${encodeURIComponent(mission)}` : ""}` : "/phone";
   if (!isBack && location.pathname + location.search !== address) history.pushState(null, "", address);
   wanted = mission;
-  changed({ tagId, before, where: null, route: null, said: "", trouble: "", form: "" });
+  changed({ tagId, before, where: null, route: null, said: "", trouble: "", form: "", scanning: false, foreign: null, choices: [] });
   if (!tagId) return;
   remember(LAST, { tag: tagId, before });
   answer();
