@@ -19,7 +19,7 @@ export function ago(seconds) {
 }
 
 /** @param {number} unix_s */
-const timeOf = (unix_s) => new Date(unix_s * 1000).toLocaleTimeString(language(), { hour: "2-digit", minute: "2-digit" });
+const timeOf = (unix_s) => new Date(unix_s * 1000).toLocaleTimeString(language(), { hour: "2-digit", minute: "2-digit", hourCycle: "h23" });
 
 let isOpen = false;
 
