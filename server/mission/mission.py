@@ -28,13 +28,16 @@ from server.mission.alerts import Alerts
 from server.mission.annotations import Annotations
 from server.mission.best_map import BestMap
 from server.mission.doubts import Doubts
+from server.mission.endings import Endings
 from server.mission.evacuation import Evacuation
 from server.mission.events import Events
+from server.mission.lifecycle import Lifecycle
 from server.mission.links import Links
 from server.mission.memories import Memories
 from server.mission.nodes import Nodes
 from server.mission.orders import Orders
 from server.mission.presence import Presence
+from server.mission.progress import Progress
 from server.mission.recovery import Recovery
 from server.mission.relay import Relay
 from server.mission.replies import fresh_of, reply_to
@@ -63,10 +66,11 @@ class Mission:
         forks: ForkServer,
         settings: Settings,
         on_grid: Callable[[str, TeamGrid], None],
+        board: Board | None = None,
     ) -> None:
         mission_id = record.mission_id
         self.mission_id = mission_id
-        self.board = Board()
+        self.board = Board() if board is None else board
         self.events = Events(store, mission_id, self.board)
         self.presence = Presence(self.board)
         self.routes = Routes(self.board)
@@ -79,6 +83,8 @@ class Mission:
         self._tasks = Tasks(mission_id)
         self.roster = Roster(record, store, forks, self.board, self.alerts, self._tasks)
         self.stops = Stops(store, self.roster, self.events)
+        self.lifecycle = Lifecycle(store, self.roster, self.events)
+        self.progress = Progress(store, mission_id, self.board)
         self.orders = Orders(store, mission_id, self.board, self.events)
         doubts = Doubts(store, mission_id, self.alerts)
         self.shared_map = SharedMap(store, forks, self.board, self.roster, self.victims, doubts, on_grid)
@@ -90,9 +96,12 @@ class Mission:
         self._recovery = Recovery(
             store, self.roster, self.shared_map, self.memories, self.orders, self._tasks, settings
         )
+        self._endings = Endings(store, self.board, self.roster, self.shared_map, self._recovery)
         self._store = store
         self._settings = settings
-        self._tasks.spawn(self._links.watch())
+        if not record.is_over:
+            self._tasks.spawn(self._links.watch())
+            self._tasks.spawn(self.progress.watch())
 
     def begin(self) -> None:
         """Begin as a new mission."""
@@ -107,8 +116,28 @@ class Mission:
         await self.victims.restore()
         await self.nodes.restore()
         await self.orders.restore()
+        if self.roster.record.is_over and await self._endings.restore():
+            return
         await self.shared_map.restore()
         await self._recovery.restore()
+        if self.roster.record.is_over:  # the server ended before it could keep the ending
+            self._tasks.spawn(self.rest())
+
+    async def rest(self) -> None:
+        """Keep what the mission came to, and end its processes: it is over.
+
+        Raises:
+            DatabaseError: the ending could not be kept; it is tried again at the next start.
+        """
+        await self.progress.note()
+        await self._endings.keep()
+        await asyncio.gather(self.shared_map.close(), self.roster.close(), self.nodes.save())
+        await self._tasks.close()
+
+    async def go_on(self) -> None:
+        """Begin again after it was over; see ``restore``."""
+        await self._endings.forget()
+        await self.restore()
 
     async def close(self) -> None:
         """End the processes of all agents and of the team map."""
@@ -135,12 +164,13 @@ class Mission:
         ``sender`` says from where they come, for people to read.
 
         Raises:
-            ApiError: a gap, stamps that run backwards, or too much waiting already, and nothing is kept
-                then; or the agent takes too long, and everything is kept.
+            ApiError: a mission that takes none now, a gap, stamps that run backwards, or too much waiting
+                already, and nothing is kept then; or the agent takes too long, and everything is kept.
         """
         robot = self.roster.get(robot_id)
+        self.lifecycle.check_running()
         if robot.waiting + len(batch) > self._settings.max_waiting:
-            if robot.stopped:
+            if robot.held:
                 return reply_to(robot, batch, 0, 0, [])
             text = f"The agent of {robot_id} is behind; send again in a second."
             raise ApiError(503, "busy", text, retry_after_s=1)
@@ -160,7 +190,7 @@ class Mission:
             if thought is not None:  # also for a batch that came before: its answer may not be there yet
                 await self._answered(robot, thought)
         except DatabaseError:
-            if not robot.stopped:
+            if not robot.held:
                 raise
             return reply_to(
                 robot, batch, 0, len(batch) - len(fresh), []
@@ -203,7 +233,7 @@ class Mission:
         give_up_s = time.monotonic() + self._settings.reply_s
         while True:
             done, _ = await asyncio.wait({thought}, timeout=self._settings.stop_reply_s)
-            if robot.stopped:
+            if robot.held:
                 return
             if done:
                 thought.result()
