@@ -1,6 +1,17 @@
-"""The tables of how missions go: what is left of a closed one, and how they got on."""
+"""The tables of how missions go: what is left of a closed one, how they got on, and photos."""
 
-from sqlalchemy import JSON, Column, Float, ForeignKeyConstraint, Integer, LargeBinary, Table
+from sqlalchemy import (
+    JSON,
+    Boolean,
+    Column,
+    Float,
+    ForeignKeyConstraint,
+    Integer,
+    LargeBinary,
+    String,
+    Table,
+    Text,
+)
 
 from db.schema import ID, metadata
 
@@ -28,5 +39,28 @@ progress = Table(
     Column("explored_m2", Float, nullable=False),
     Column("tags", Integer, nullable=False),
     Column("victims", Integer, nullable=False),
+    _of_mission(),
+)
+
+photos = Table(
+    "photos",
+    metadata,
+    Column("mission_id", ID, primary_key=True),
+    Column("photo_id", String(36), primary_key=True),
+    Column("sha256", String(64), nullable=False),
+    Column("width", Integer, nullable=False),
+    Column("height", Integer, nullable=False),
+    Column("text", Text, nullable=False),
+    Column("victim_id", ID),
+    Column("annotation_id", String(36)),
+    Column("tag_id", ID),
+    Column("x_m", Float),
+    Column("y_m", Float),
+    Column("by", String(200), nullable=False),
+    Column("taken_unix_s", Float),
+    Column("created_unix_s", Float, nullable=False),
+    Column("whole", LargeBinary, nullable=False),  # JPEG, without anything else that was in the file
+    Column("small", LargeBinary, nullable=False),
+    Column("deleted", Boolean, nullable=False),
     _of_mission(),
 )

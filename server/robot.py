@@ -116,6 +116,17 @@ class Robot:
         return self.record.robot_id
 
     @property
+    def thought_failed(self) -> bool:
+        """Whether the agent's work on the newest observations ended with an error."""
+        thought = self.thought
+        return (
+            thought is not None
+            and thought.done()
+            and not thought.cancelled()
+            and thought.exception() is not None
+        )
+
+    @property
     def held(self) -> bool:
         """Whether it has to stand still: by STOP, or because its mission is paused."""
         return self.stopped or self.paused

@@ -10,16 +10,12 @@ import time
 from collections.abc import Callable, Sequence
 from typing import Any
 
-import structlog
-
 from db.errors import DatabaseError
 from db.records import MissionRecord, ObservationRecord, RobotRecord
 from db.store import Store
 from robots import codec
-from robots.estimation.ranges.views import as_sightings
 from robots.team import TeamGrid
-from robots.types import AgentUpdate, Observation
-from server.agents.host import Answer
+from robots.types import Observation
 from server.agents.process import ForkServer
 from server.board import Board
 from server.differences import differences
@@ -36,6 +32,7 @@ from server.mission.links import Links
 from server.mission.memories import Memories
 from server.mission.nodes import Nodes
 from server.mission.orders import Orders
+from server.mission.photos import Photos
 from server.mission.pocket import Pocket
 from server.mission.presence import Presence
 from server.mission.progress import Progress
@@ -49,12 +46,11 @@ from server.mission.senders import Senders
 from server.mission.shared_map import SharedMap
 from server.mission.stops import Stops
 from server.mission.tasks import Tasks
+from server.mission.thinking import Thinking
 from server.mission.victims import Victims
 from server.robot import Robot
 from server.schemas.observations import OnboardWire
 from server.settings import Settings
-
-log = structlog.get_logger()
 
 
 class Mission:
@@ -77,6 +73,7 @@ class Mission:
         self.routes = Routes(self.board)
         self.annotations = Annotations(store, mission_id, self.board)
         self.alerts = Alerts(store, mission_id, self.board, self.events)
+        self.photos = Photos(store, mission_id, self.board, self.events)
         self.evacuation = Evacuation(store, mission_id, self.board, self.events)
         self.victims = Victims(store, mission_id, self.board, self.events, self.alerts)
         self.memories = Memories(store, mission_id, bytes.fromhex(record.tag_key), self.events)
@@ -94,10 +91,13 @@ class Mission:
         self._relay = Relay(self.roster)
         self._senders = Senders(store, mission_id, self.events)
         self._links = Links(self.roster, self.alerts, settings)
-        self._robot_alerts = RobotAlerts(self.alerts, self.events)
         self._recovery = Recovery(
             store, self.roster, self.shared_map, self.memories, self.orders, self._tasks, settings
         )
+        self._thinking = Thinking(
+            store, self.roster, self.shared_map, self._relay, self.memories, self.orders,
+            RobotAlerts(self.alerts, self.events), self._recovery, self.events,
+        )  # fmt: skip
         self._endings = Endings(store, self.board, self.roster, self.shared_map, self._recovery)
         self._store = store
         self._settings = settings
@@ -115,6 +115,7 @@ class Mission:
         await self.alerts.restore()
         await self.evacuation.restore()
         await self.annotations.restore()
+        await self.photos.restore()
         await self.victims.restore()
         await self.nodes.restore()
         await self.orders.restore()
@@ -183,8 +184,8 @@ class Mission:
                 fresh = fresh_of(robot, batch)
                 if fresh:
                     await self._accept(robot, fresh)
-                elif robot.thought is not None and _failed(robot.thought):
-                    robot.thought = self._tasks.spawn(self._think(robot, None))
+                elif robot.thought_failed:
+                    robot.thought = self._tasks.spawn(self._thinking.think(robot, None))
                 thought = robot.thought
             await self._senders.check(robot, batch, len(fresh), sender)
             if fresh:
@@ -201,7 +202,7 @@ class Mission:
             robot.waiting -= len(batch)
         found = differences(robot, onboard)
         if onboard:
-            await self._tell_difference(robot, found)
+            await self._thinking.tell_difference(robot, found)
         orders = self.orders.waiting(robot) if robot.record.agent == "onboard" else ()
         return reply_to(robot, batch, len(fresh), len(batch) - len(fresh), found, orders)
 
@@ -220,7 +221,7 @@ class Mission:
         robot.last_stamp_s = fresh[-1].stamp_s
         robot.battery = next((o.battery for o in reversed(fresh) if o.battery is not None), robot.battery)
         robot.thought = self._tasks.spawn(
-            self._think(robot, [(record.seq, record.body) for record in records])
+            self._thinking.think(robot, [(record.seq, record.body) for record in records])
         )
         await self.orders.delivered(fresh)
         await self.memories.keep_read(robot.robot_id, fresh)
@@ -246,56 +247,3 @@ class Mission:
                     " send them again for its order."
                 )
                 raise ApiError(503, "agent_busy", text, retry_after_s=1)
-
-    async def _think(self, robot: Robot, records: list[tuple[int, bytes]] | None) -> None:
-        """Have the agent answer to observations; None for what has no answer, after a thought that failed."""
-        async with robot.thinking:
-            if records is None:
-                records = await robot.host.unanswered(robot.next_seq - 1)
-            answers = await robot.host.handle(records)
-            updates = [self._take(robot, answer) for answer in answers]
-            made = [update for update in updates if update is not None]
-            self._relay.take(robot, made)
-            await self._save(robot, made)
-            self.roster.publish([robot])
-            await self._robot_alerts.look(robot)
-            for update in made:
-                await self.orders.report(update)
-            for text in dict.fromkeys(doubt for update in made for doubt in update.doubts):
-                await self.events.tell("tag_doubtful", f"{robot.robot_id}: {text}", robot.robot_id, "warning")
-            self._recovery.snapshot_when_due(robot)
-
-    def _take(self, robot: Robot, answer: Answer) -> AgentUpdate | None:
-        if answer.update is None:
-            log.warning("refused by the agent", robot_id=robot.robot_id, seq=answer.seq, reason=answer.reason)
-            return None
-        update = codec.decode(answer.update, AgentUpdate)
-        robot.take(update)
-        self.shared_map.put(robot, update)
-        return update
-
-    async def _save(self, robot: Robot, updates: list[AgentUpdate]) -> None:
-        """Save what the agent made of the log; were it lost, the log brings it back."""
-        graphs = [update.graph for update in updates if update.graph is not None]
-        if graphs:
-            try:
-                graph = as_sightings(graphs[-1])
-                await self._store.graphs.record_graph(self.mission_id, robot.robot_id, graph)
-            except DatabaseError as error:
-                log.error("a graph could not be saved", robot_id=robot.robot_id, reason=str(error))
-        writes = [write for update in updates for write in update.command.writes]
-        await self.memories.keep_written(robot.robot_id, writes)
-
-    async def _tell_difference(self, robot: Robot, found: list[dict[str, Any]]) -> None:
-        """Tell of the first of a row of batches in which the agent on board differs."""
-        differed, robot.differs = robot.differs, bool(found)
-        if found and not differed:
-            first = found[0]
-            text = (
-                f"{robot.robot_id} decided otherwise on board at observation {first['seq']}: {first['what']}."
-            )
-            await self.events.tell("onboard_differs", text, robot.robot_id, "warning")
-
-
-def _failed(thought: asyncio.Task[None]) -> bool:
-    return thought.done() and not thought.cancelled() and thought.exception() is not None

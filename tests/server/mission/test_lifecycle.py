@@ -161,7 +161,7 @@ def test_an_ending_that_was_not_kept_is_made_at_the_next_start(make_control, tmp
     wait_until(lambda: line.agent_pid() is None)
 
 
-def test_missions_tell_in_figures_what_they_came_to(driven):
+def test_missions_tell_in_figures_what_they_came_to(driven, wait_until):
     mission = driven.get()
     assert mission["explored_m2"] == driven.get("/map")["explored_m2"]
     assert mission["tags"] == len(driven.get("/tags")["tags"])
@@ -170,6 +170,7 @@ def test_missions_tell_in_figures_what_they_came_to(driven):
     assert [robot["robot_id"] for robot in summary["robots"]] == ["r1"]
     assert sum(summary["victims"].values()) == mission["victims"]
     assert summary["alerts"]["victim_seen"] >= 1
-    samples = summary["progress"]
+    wait_until(lambda: driven.get("/summary")["progress"])  # looked at every five seconds
+    samples = driven.get("/summary")["progress"]
     assert samples[-1]["explored_m2"] <= mission["explored_m2"]
     assert [sample["unix_s"] for sample in samples] == sorted(sample["unix_s"] for sample in samples)
