@@ -44,5 +44,5 @@ export function Alarm() {
 export function Mayday() {
   if (!state.where) return null;
   if (state.called) return html`<p role="status"><b>${say("mayday_called")}</b></p>`;
-  return html`<${HoldButton} label=${say("mayday_hold")} name=${say("mayday")} kind="mayday" onFire=${callMayday} />`;
+  return html`<${HoldButton} label=${say("mayday_hold")} name=${say("mayday_hold")} kind="mayday" onFire=${callMayday} />`;
 }
