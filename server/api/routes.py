@@ -8,11 +8,12 @@ from fastapi import APIRouter, Query
 
 from robots.routes.planner import Leg
 from robots.routes.words import bearing_deg, is_uncertain, leg_text
+from robots.tags.short_id import understood
 from server.api.common import ERRORS, READS, AllMissions, OneMission, Viewer
 from server.errors import ApiError
 from server.mission.whereabouts import whereabouts
 from server.people.audit import AuditedRoute
-from server.schemas.routes import LastOut, LegOut, NearVictimOut, NeighbourOut, RouteOut, WhereOut
+from server.schemas.routes import LastOut, LegOut, NearVictimOut, NeighbourOut, RouteOut, TypedOut, WhereOut
 
 where = APIRouter(tags=["routes"], responses=ERRORS, dependencies=READS)
 router = APIRouter(
@@ -24,6 +25,7 @@ router = APIRouter(
 )
 From = Annotated[str, Query(alias="from", max_length=100, description="The tag you are at.")]
 OfMission = Annotated[str | None, Query(max_length=100, description="Only this mission.")]
+Typed = Annotated[str, Query(max_length=100, description="What is written on the tag, as typed.")]
 To = Annotated[str, Query(max_length=120, description="victim:ID, tag:ID or note:ID.")]
 
 
@@ -75,6 +77,14 @@ async def get_where(tag_id: str, missions: AllMissions, by: Viewer, mission: OfM
             "victims": [NearVictimOut(**item) for item in found["victims"]],
         }
     )
+
+
+@where.get("/where", summary="Which tag is meant?", operation_id="get_typed")
+async def get_typed(typed: Typed, missions: AllMissions, by: Viewer) -> TypedOut:
+    """Return the tags that one means who types what a label says, with or without its check character."""
+    able = [m for m in missions.all() if by.is_for(m.mission_id)]
+    found = understood(typed, {tag["tag_id"] for m in able for tag in m.board.of_kind("tag")})
+    return TypedOut(tag_ids=list(found.tag_ids), trouble=found.trouble)
 
 
 def _leg(leg: Leg) -> LegOut:

@@ -15,6 +15,7 @@ from server.cli import (
     experiment,
     export,
     fit_radio,
+    labels,
     replay,
     serve,
     simulate,
@@ -45,6 +46,7 @@ def build() -> typer.Typer:
     command.command("experiment")(experiment.experiment)
     command.command("bench")(bench.bench)
     command.add_typer(tag.tag)
+    command.command("labels")(labels.labels)
     command.command("warm")(warm.warm)
     return command
 

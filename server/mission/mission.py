@@ -35,6 +35,7 @@ from server.mission.links import Links
 from server.mission.memories import Memories
 from server.mission.nodes import Nodes
 from server.mission.orders import Orders
+from server.mission.pocket import Pocket
 from server.mission.presence import Presence
 from server.mission.recovery import Recovery
 from server.mission.relay import Relay
@@ -83,6 +84,7 @@ class Mission:
         self.orders = Orders(store, mission_id, self.board, self.events)
         doubts = Doubts(store, mission_id, self.alerts)
         self.shared_map = SharedMap(store, forks, self.board, self.roster, self.victims, doubts, on_grid)
+        self.pocket = Pocket(self.board, self.roster, self.routes, self.shared_map)
         self.best_map = BestMap(store, forks, self.board, self.roster, self.shared_map, self._tasks)
         self.history = Recorder(store, mission_id, self.board, lambda: self.shared_map.image)
         self._relay = Relay(self.roster)

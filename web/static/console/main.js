@@ -5,6 +5,7 @@ import { ApiError, request } from "./api.js";
 import { AlertList, TagCard } from "./alerts.js";
 import { attachDivider } from "./divider.js";
 import { EventFeed } from "./events.js";
+import { closeMenus } from "./look_menu.js";
 import { isOpen } from "./node_sensors.js";
 import { Plan } from "./plan.js";
 import { RobotList } from "./robot_list.js";
@@ -159,6 +160,8 @@ addEventListener("keydown", (event) => {
   else inboxKey(store, event.key, select("victim"));
 });
 
+addEventListener("look", () => store.changed());
+closeMenus();
 setInterval(() => store.changed(), TICK_MS);
 renderPanels();
 learnWho(store);

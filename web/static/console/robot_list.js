@@ -1,6 +1,6 @@
 /** The robots' cards: what each is doing and why, how well it is, and its STOP. */
 
-import { robotColor } from "./color.js";
+import { robotStyle } from "./color.js";
 import { age, ellipse, fixed, metres, percent } from "./format.js";
 import { HoldButton } from "./hold_button.js";
 import { RobotOrders, shareOf } from "./robot_orders.js";
@@ -51,7 +51,7 @@ function RobotCard({ robot, store, stops, isCompact, onSelect }) {
   const state = html`<${State} robot=${robot} isLost=${link === "lost"} isCompact=${isCompact} />`;
   return html`
     <li class=${`card robot-card ${isSelected ? "selected" : ""}`} data-robot=${id} data-link=${link}
-        data-stop=${stop} style=${{ "--robot": robotColor(id) }}>
+        data-stop=${stop} style=${{ "--robot": robotStyle(id) }}>
       <button class="card-body" type="button" aria-pressed=${isSelected} onClick=${() => onSelect(id)}
               title=${`Show ${id} in the middle of the plan`}>
         <span class="card-head">

@@ -5,6 +5,7 @@ import { missionClock, timeOfDay } from "./format.js";
 import { EvacuateButton, EvacuationBanner } from "./evacuation.js";
 import { HoldButton } from "./hold_button.js";
 import { isOpen } from "./node_sensors.js";
+import { LookMenu } from "./look_menu.js";
 import { ResumeButton } from "./robot_list.js";
 import { html } from "./vendor.js";
 import { standing } from "./victims.js";
@@ -57,6 +58,7 @@ export function TopBar({ store, stops, onMission, onView }) {
       ${VIEWS.map(([view, label, title]) => html`<button type="button" title=${title} class=${`view-${view}`}
         aria-pressed=${store.view === view} onClick=${() => onView(view)}>${label}</button>`)}
     </div>
+    <${LookMenu} store=${store} />
     <${Account} store=${store} />
     <${EvacuateButton} store=${store} />
     <${StopAll} store=${store} stops=${stops} />`;
