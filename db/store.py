@@ -8,6 +8,7 @@ from db.alerts import AlertStore
 from db.engine import Database
 from db.findings import FindingStore
 from db.graphs import GraphStore
+from db.history import HistoryStore
 from db.log import LogStore
 from db.missions import MissionStore
 from db.nodes import NodeStore
@@ -32,6 +33,7 @@ class Store:
         self.findings = FindingStore(database)
         self.photos = PhotoStore(database)
         self.people = PeopleStore(database)
+        self.history = HistoryStore(database)
 
     @classmethod
     async def open(cls, target: str | Path) -> Store:

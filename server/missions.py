@@ -67,6 +67,10 @@ class Missions:
             raise unknown("mission", mission_id)
         return self._missions[mission_id]
 
+    def find(self, mission_id: str) -> Mission | None:
+        """Return a mission, None where there is none of that id."""
+        return self._missions.get(mission_id)
+
     async def restore(self) -> None:
         """Bring back every mission of the database."""
         for record in await self._store.missions.all_missions():
@@ -133,13 +137,13 @@ class Missions:
 
     async def _again(self, over: Mission) -> Mission:
         """Return a mission with agents in the place of one that is over, before the same eyes."""
+        await over.close()
         mission = Mission(
             over.roster.record, self._store, self._forks, self._settings, self._on_grid, over.board
         )
         mission.presence = over.presence
         await mission.go_on()
         self._missions[mission.mission_id] = mission
-        await over.close()
         return mission
 
     async def _add(self, record: MissionRecord) -> Mission:
