@@ -8,6 +8,7 @@ from db.alerts import AlertStore
 from db.engine import Database
 from db.findings import FindingStore
 from db.graphs import GraphStore
+from db.history import HistoryStore
 from db.log import LogStore
 from db.missions import MissionStore
 from db.nodes import NodeStore
@@ -30,6 +31,7 @@ class Store:
         self.orders = OrderStore(database)
         self.findings = FindingStore(database)
         self.people = PeopleStore(database)
+        self.history = HistoryStore(database)
 
     @classmethod
     async def open(cls, target: str | Path) -> Store:

@@ -66,6 +66,10 @@ class Missions:
             raise unknown("mission", mission_id)
         return self._missions[mission_id]
 
+    def find(self, mission_id: str) -> Mission | None:
+        """Return a mission, None where there is none of that id."""
+        return self._missions.get(mission_id)
+
     async def restore(self) -> None:
         """Bring back every mission of the database."""
         for record in await self._store.missions.all_missions():

@@ -24,6 +24,7 @@ from server.agents.process import ForkServer
 from server.board import Board
 from server.differences import differences
 from server.errors import ApiError
+from server.history.recorder import Recorder
 from server.mission.alerts import Alerts
 from server.mission.annotations import Annotations
 from server.mission.best_map import BestMap
@@ -85,6 +86,7 @@ class Mission:
         self.shared_map = SharedMap(store, forks, self.board, self.roster, self.victims, doubts, on_grid)
         self.pocket = Pocket(self.board, self.roster, self.routes, self.shared_map)
         self.best_map = BestMap(store, forks, self.board, self.roster, self.shared_map, self._tasks)
+        self.history = Recorder(store, mission_id, self.board, lambda: self.shared_map.image)
         self._relay = Relay(self.roster)
         self._senders = Senders(store, mission_id, self.events)
         self._links = Links(self.roster, self.alerts, settings)
@@ -99,6 +101,7 @@ class Mission:
     def begin(self) -> None:
         """Begin as a new mission."""
         self.shared_map.begin()
+        self.history.begin()
 
     async def restore(self) -> None:
         """Begin where the database says that it stood; the agents catch up in the background."""
@@ -111,11 +114,14 @@ class Mission:
         await self.orders.restore()
         await self.shared_map.restore()
         await self._recovery.restore()
+        await self.history.restore()
+        self.history.begin()
 
     async def close(self) -> None:
         """End the processes of all agents and of the team map."""
         await self._tasks.close()
         await asyncio.gather(self.shared_map.close(), self.roster.close(), self.nodes.save())
+        await self.history.close()
 
     async def register(self, record: RobotRecord) -> tuple[Robot, bool]:
         """Add a robot, or let it join again with the same words; say whether it is new.
