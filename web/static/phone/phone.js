@@ -3,7 +3,7 @@
 import { request } from "../console/api.js";
 import { html, render } from "../console/vendor.js";
 import { Alarm, lookForOrders, Mayday } from "./alarm.js";
-import { Entry } from "./entry.js";
+import { Doubt, Entry } from "./entry.js";
 import { far, Guide } from "./guide.js";
 import { lead, load, target } from "./lead.js";
 import { Word } from "./report.js";
@@ -12,16 +12,18 @@ import { language, say } from "./texts.js";
 
 function Page() {
   const { where } = state;
-  if (!where) return html`<${Entry} />`;
+  const trouble = html`${state.trouble && html`<p class="trouble" role="alert">${state.trouble}</p>`}<${Doubt} />`;
+  if (!where) return html`<h1>${say("which_tag")}</h1>${trouble}<${Entry} />`;
   const goal = target();
   return html`<h1>${say("tag", { tag: where.tag_id })}</h1>
-    ${state.trouble && html`<p class="trouble" role="alert">${state.trouble}</p>`}
+    ${trouble}
     ${state.said && html`<p role="status">${state.said}</p>`}
     ${goal && state.route && html`<${Guide} route=${state.route} to=${goal.to} />`}
     <p class="where">${where.text}${where.sd_m > 1 ? ` ${say("place_unsure", { far: far(where.sd_m) })}` : ""}</p>
     ${where.notice && html`<p class="trouble">${where.notice}</p>`}
     ${where.victims.length > 0 && html`<h2>${say("lead_me_to")}</h2><ul>${where.victims.map(NearVictim)}</ul>`}
     <${Word} />
+    <h2>${say("at_another_tag")}</h2><${Entry} />
     <p class="soft">${where.mission_name}</p>`;
 }
 

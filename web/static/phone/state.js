@@ -18,6 +18,9 @@ export const state = {
   /** @type {Evacuation | null} */ evacuation: null,
   /** @type {{name: string} | null} */ me: null,
   called: false,
+  scanning: false,
+  /** A tag's link of another server that was touched or scanned. @type {{tagId: string, host: string} | null} */ foreign: null,
+  /** Tags that a typed number may mean. @type {string[]} */ choices: [],
 };
 
 /** @type {(() => void)[]} */
