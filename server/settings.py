@@ -36,6 +36,7 @@ class Settings(BaseSettings):
         8080, ge=0, le=65535, description="With tls: port without encryption where phones get the authority."
     )
     max_body_bytes: int = Field(4 * 2**20, ge=1024, description="Largest request body.")
+    max_photo_bytes: int = Field(12 * 2**20, ge=1024, description="Largest photo, and picture of a plan.")
     max_waiting: int = Field(4000, ge=1, description="Observations of one robot that may wait for its agent.")
     snapshot_every: int = Field(300, ge=1, description="Observations between snapshots of an agent.")
     snapshot_every_s: float = Field(
