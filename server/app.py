@@ -17,11 +17,15 @@ from server.api import (
     best_map,
     evacuation,
     health,
+    history,
     logs,
     maps,
     missions,
     observations,
     orders,
+    photos,
+    pocket,
+    reports,
     robot_tokens,
     robots,
     routes,
@@ -79,7 +83,12 @@ def create_app(settings: Settings) -> FastAPI:
         lifespan=lifespan,
     )
     add_error_handlers(app)
-    app.add_middleware(Guard, max_body_bytes=settings.max_body_bytes, loopback_only=settings.login == "off")
+    app.add_middleware(
+        Guard,
+        max_body_bytes=settings.max_body_bytes,
+        max_photo_bytes=settings.max_photo_bytes,
+        loopback_only=settings.login == "off",
+    )
     api = APIRouter(prefix="/api/v1")
     for module in (
         health,
@@ -89,15 +98,19 @@ def create_app(settings: Settings) -> FastAPI:
         audit_api,
         missions,
         logs,
+        history,
         robots,
         orders,
         routes,
+        pocket,
+        reports,
         observations,
         tags,
         victims,
         alerts,
         evacuation,
         annotations_api,
+        photos,
         maps,
         best_map,
         stream,

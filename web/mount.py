@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import os
 from collections.abc import Mapping
 from pathlib import Path
@@ -15,6 +16,7 @@ from starlette.staticfiles import NotModifiedResponse
 from starlette.types import Scope
 
 from web.proxy import Gate, ScenePorts, mount_proxy
+from web.shell import worker
 
 _HERE = Path(__file__).parent
 STATIC = _HERE / "static"
@@ -26,7 +28,10 @@ VENDOR_FILES: Mapping[str, str] = {
     "leaflet/leaflet.css": "leaflet/dist/leaflet.css",
     "preact/preact.module.js": "preact/dist/preact.module.js",
     "htm/htm.module.js": "htm/dist/htm.module.js",
+    "jsqr/jsQR.js": "jsqr/dist/jsQR.js",
+    "lean-qr/index.mjs": "lean-qr/index.mjs",
 }
+_OF_PHONES_ALONE = ("jsqr/", "lean-qr/")  # without them the console is whole
 
 CONTENT_SECURITY_POLICY = "; ".join(
     (
@@ -36,6 +41,8 @@ CONTENT_SECURITY_POLICY = "; ".join(
         "img-src 'self' data: blob:",
         "connect-src 'self'",
         "frame-src 'self'",
+        "manifest-src 'self'",
+        "worker-src 'self'",
         "base-uri 'none'",
         "form-action 'none'",
         "frame-ancestors 'self'",
@@ -98,7 +105,8 @@ def mount_web(
     """
 
     async def console(request: Request) -> Response:
-        if any(not (node_modules / name).is_file() for name in VENDOR_FILES.values()):
+        needed = (n for n in VENDOR_FILES.values() if not n.startswith(_OF_PHONES_ALONE))
+        if any(not (node_modules / name).is_file() for name in needed):
             return HTMLResponse(_MISSING_PAGE, status_code=503, headers=dict(SECURITY_HEADERS))
         return _page(request, STATIC / "console" / "index.html")
 
@@ -108,11 +116,13 @@ def mount_web(
     async def people(request: Request) -> Response:
         return _page(request, STATIC / "people" / "index.html")
 
-    async def tag_home(request: Request) -> Response:
+    async def phone(request: Request) -> Response:
         return _page(request, STATIC / "phone" / "index.html")
 
-    async def tag(request: Request, tag_id: str) -> Response:
-        return _page(request, STATIC / "phone" / "index.html")
+    async def phone_worker(request: Request) -> Response:
+        vendor = {address: node_modules / name for address, name in VENDOR_FILES.items()}
+        script = await asyncio.to_thread(worker, STATIC, vendor)
+        return Response(script, media_type="text/javascript", headers=dict(SECURITY_HEADERS))
 
     async def icon(request: Request) -> Response:
         return _page(request, STATIC / "logo.svg")
@@ -121,8 +131,9 @@ def mount_web(
         app.add_api_route(address, console, methods=["GET", "HEAD"], include_in_schema=False)
     for address in ("/login", "/join"):
         app.add_api_route(address, door, methods=["GET", "HEAD"], include_in_schema=False)
-    app.add_api_route("/t/{tag_id}", tag, methods=["GET", "HEAD"], include_in_schema=False)
-    app.add_api_route("/t", tag_home, methods=["GET", "HEAD"], include_in_schema=False)
+    for address in ("/phone", "/t", "/t/{tag_id}"):
+        app.add_api_route(address, phone, methods=["GET", "HEAD"], include_in_schema=False)
+    app.add_api_route("/sw.js", phone_worker, methods=["GET", "HEAD"], include_in_schema=False)
     app.add_api_route("/people", people, methods=["GET", "HEAD"], include_in_schema=False)
     app.add_api_route("/favicon.ico", icon, methods=["GET", "HEAD"], include_in_schema=False)
     app.mount("/static", _Files(directory=STATIC), name="static")

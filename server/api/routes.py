@@ -81,7 +81,7 @@ async def get_where(tag_id: str, missions: AllMissions, by: Viewer, mission: OfM
 
 @where.get("/where", summary="Which tag is meant?", operation_id="get_typed")
 async def get_typed(typed: Typed, missions: AllMissions, by: Viewer) -> TypedOut:
-    """Return the tags that somebody means who types a number off a label, with its check character or without."""
+    """Return the tags that one means who types what a label says, with or without its check character."""
     able = [m for m in missions.all() if by.is_for(m.mission_id)]
     found = understood(typed, {tag["tag_id"] for m in able for tag in m.board.of_kind("tag")})
     return TypedOut(tag_ids=list(found.tag_ids), trouble=found.trouble)

@@ -10,11 +10,13 @@ import typer
 
 from server.cli import (
     bench,
+    ca,
     demo,
     evaluate,
     experiment,
     export,
     fit_radio,
+    labels,
     replay,
     serve,
     simulate,
@@ -45,6 +47,8 @@ def build() -> typer.Typer:
     command.command("experiment")(experiment.experiment)
     command.command("bench")(bench.bench)
     command.add_typer(tag.tag)
+    command.command("ca")(ca.ca)
+    command.command("labels")(labels.labels)
     command.command("warm")(warm.warm)
     return command
 

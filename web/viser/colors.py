@@ -1,31 +1,47 @@
-"""The colours of the scene. Robots have the same ones as on the console's plan (static/console/color.js)."""
+"""The colours of the scene, read from the one palette of all pages (static/palette.css)."""
 
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
+from pathlib import Path
 
 Rgb = tuple[int, int, int]
 
-ROBOT_COLORS: tuple[Rgb, ...] = tuple(
-    (int(code[1:3], 16), int(code[3:5], 16), int(code[5:7], 16))
-    for code in (
-        "#5cb8ff", "#ffb454", "#3ddbb0", "#f59bd0", "#f4e36b", "#a99bff",
-        "#b5e36e", "#e5a78c", "#6fe3f2", "#d48bff", "#9fb8cc", "#e8dcc0",
-    )
-)  # fmt: skip
-GROUND: Rgb = (10, 14, 20)
-FLOOR: Rgb = (44, 58, 78)
-WALL: Rgb = (196, 209, 226)
-TAG: Rgb = (255, 243, 196)
-DOUBTED_TAG: Rgb = (255, 138, 76)
-SILENT: Rgb = (120, 132, 148)
-ALERT_COLORS: dict[str, Rgb] = {"warning": (255, 190, 77), "alarm": (255, 90, 95)}
+PALETTE_FILE = Path(__file__).parent.parent / "static" / "palette.css"
+_BLOCK = re.compile(r':root(?:\[data-theme="(\w+)"\])? \{(.*?)\n\}', re.DOTALL)
+_COLOR = re.compile(r"--([\w-]+): #([0-9a-f]{6})(?:[0-9a-f]{2})?;")
+
+
+def read_palette(css: str) -> dict[str, dict[str, Rgb]]:
+    """Return theme -> name -> colour; transparency is left out."""
+    return {
+        theme or "dark": {name: _rgb(code) for name, code in _COLOR.findall(block)}
+        for theme, block in _BLOCK.findall(css)
+    }
+
+
+def _rgb(code: str) -> Rgb:
+    return int(code[0:2], 16), int(code[2:4], 16), int(code[4:6], 16)
+
+
+THEMES: Mapping[str, Mapping[str, Rgb]] = read_palette(PALETTE_FILE.read_text())
+_DARK = THEMES["dark"]
+
+ROBOT_COLORS: tuple[Rgb, ...] = tuple(_DARK[f"robot-{k}"] for k in range(1, 13))
+GROUND = _DARK["unknown"]
+FLOOR = _DARK["floor"]
+WALL = _DARK["wall"]
+TAG = _DARK["tag"]
+DOUBTED_TAG = _DARK["doubted"]
+SILENT = _DARK["silent"]
+ALERT_COLORS: dict[str, Rgb] = {"warning": _DARK["warn"], "alarm": _DARK["danger"]}
 VICTIM_COLORS: dict[str, Rgb] = {
-    "suspected": (255, 190, 77),
-    "confirmed": (255, 90, 95),
-    "reached": (92, 207, 255),
-    "extricated": (69, 214, 160),
-    "dismissed": (120, 132, 148),
+    "suspected": _DARK["warn"],
+    "confirmed": _DARK["danger"],
+    "reached": _DARK["accent"],
+    "extricated": _DARK["good"],
+    "dismissed": SILENT,
 }
 
 

@@ -1,13 +1,12 @@
 /** The fused map of the building: fetched as a palette PNG, coloured here, laid on the plan cell by cell. */
 
+import { rgb, shownTheme } from "../theme.js";
 import { fetchChecked } from "./api.js";
 import { L } from "./vendor.js";
 
 /** @import {MapInfo} from "./types.js" */
 /** @import {Store} from "./store.js" */
 
-const FREE = [35, 49, 67];
-const WALL = [222, 232, 244];
 const SHORTEST_PAUSE_MS = 500;
 
 export class Building {
@@ -40,7 +39,7 @@ export class Building {
       return;
     }
     this.#place();
-    const address = `${info.png}#${info.version}`;
+    const address = `${info.png}#${info.version} ${shownTheme()}`;
     if (this.loading || address === this.shownAddress) return;
     this.loading = true;
     const pause_ms = Math.max(0, this.loadedAt + SHORTEST_PAUSE_MS - Date.now());
@@ -132,11 +131,12 @@ export function paletteOf(png) {
  */
 export function paint(pixels, palette) {
   const [, free, occupied] = palette;
+  const [floor, wall] = [rgb("floor"), rgb("wall")];
   let count = 0;
   for (let at = 0; at < pixels.length; at += 4) {
     if (pixels[at + 3] < 128) continue;
     const isWall = distance(pixels, at, occupied) < distance(pixels, at, free);
-    const [r, g, b] = isWall ? WALL : FREE;
+    const [r, g, b] = isWall ? wall : floor;
     pixels[at] = r;
     pixels[at + 1] = g;
     pixels[at + 2] = b;

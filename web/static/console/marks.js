@@ -1,6 +1,6 @@
 /** Robots, victims, alerts and notes on the plan: real elements, so that they can be clicked, focused and read out. */
 
-import { robotColor } from "./color.js";
+import { robotStyle } from "./color.js";
 import { ellipse, percent } from "./format.js";
 import { alarming, ALERT_KINDS, alertByTag, isOpen } from "./node_sensors.js";
 import { L } from "./vendor.js";
@@ -69,7 +69,7 @@ export class Marks {
     const mark = this.marks.get(key) ?? this.#add(key, "robot", robotShape(robot.robot_id), () =>
       this.onSelect({ kind: "robot", id: robot.robot_id }));
     const { link } = this.store.linkOf(robot);
-    mark.root.style.setProperty("--robot", robotColor(robot.robot_id));
+    mark.root.style.setProperty("--robot", robotStyle(robot.robot_id));
     mark.root.dataset.link = link;
     mark.root.dataset.robot = robot.robot_id;
     mark.root.classList.toggle("stopped", robot.stopped);
@@ -96,7 +96,7 @@ export class Marks {
     mark.root.classList.toggle(
       "selected", this.store.selected?.kind === "victim" && this.store.selected.id === victim.victim_id);
     mark.root.setAttribute(
-      "aria-label", `Victim ${victim.victim_id}, ${status.label}, confidence ${percent(victim.confidence)}`);
+      "aria-label", `Victim ${mark.parts.name.textContent} sure, ${status.label}`);
     shapeEllipse(mark.parts.sigma, victim.covariance, 2 ** this.map.getZoom(), this.store.layers.uncertainty);
     this.#moveTo(mark, [victim.x_m, victim.y_m, 0]);
     return key;
@@ -115,7 +115,7 @@ export class Marks {
     mark.root.classList.toggle("noted", !isOpen(alert));
     mark.parts.glyph.textContent = ALERT_KINDS[alert.kind]?.glyph ?? "!";
     mark.parts.name.textContent = `${tagId} · ${alarming(alert, this.store.nodes.get(tagId))}`;
-    mark.root.setAttribute("aria-label", alert.text);
+    mark.root.setAttribute("aria-label", `${mark.parts.name.textContent}: ${alert.text}`);
     this.#moveTo(mark, [tag.x_m, tag.y_m, 0]);
     return key;
   }
@@ -262,9 +262,11 @@ function robotShape(robotId) {
 }
 
 function victimShape() {
-  return { sigma: span("sigma"), glyph: span("glyph"), name: span("name") };
+  return { sigma: span("sigma"), ...noteShape() };
 }
 
 function noteShape() {
-  return { glyph: span("glyph"), name: span("name") };
+  const glyph = span("glyph");
+  glyph.ariaHidden = "true";
+  return { glyph, name: span("name") };
 }

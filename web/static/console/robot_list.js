@@ -1,9 +1,9 @@
 /** The robots' cards: what each is doing and why, how well it is, and its STOP. */
 
-import { robotColor } from "./color.js";
+import { robotStyle } from "./color.js";
 import { age, ellipse, fixed, metres, percent } from "./format.js";
 import { HoldButton } from "./hold_button.js";
-import { RobotOrders, shareOf } from "./robot_orders.js";
+import { Pending, RobotOrders, shareOf } from "./robot_orders.js";
 import { html } from "./vendor.js";
 
 /** @import {Robot} from "./types.js" */
@@ -51,7 +51,7 @@ function RobotCard({ robot, store, stops, isCompact, onSelect }) {
   const state = html`<${State} robot=${robot} isLost=${link === "lost"} isCompact=${isCompact} />`;
   return html`
     <li class=${`card robot-card ${isSelected ? "selected" : ""}`} data-robot=${id} data-link=${link}
-        data-stop=${stop} style=${{ "--robot": robotColor(id) }}>
+        data-stop=${stop} style=${{ "--robot": robotStyle(id) }}>
       <button class="card-body" type="button" aria-pressed=${isSelected} onClick=${() => onSelect(id)}
               title=${`Show ${id} in the middle of the plan`}>
         <span class="card-head">
@@ -66,6 +66,7 @@ function RobotCard({ robot, store, stops, isCompact, onSelect }) {
         </span>
         ${!isCompact && state}
         <span class="reason">${robot.reason || "No reason given."}</span>
+        ${!isSelected && html`<${Pending} store=${store} robotId=${id} />`}
         <span class="figures">
           <${Figure} label="Battery" value=${percent(battery)} warn=${isLow}>
             ${battery !== null && html`<span class="gauge" aria-hidden="true">

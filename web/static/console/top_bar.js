@@ -5,6 +5,7 @@ import { missionClock, timeOfDay } from "./format.js";
 import { EvacuateButton, EvacuationBanner } from "./evacuation.js";
 import { HoldButton } from "./hold_button.js";
 import { isOpen } from "./node_sensors.js";
+import { LookMenu } from "./look_menu.js";
 import { ResumeButton } from "./robot_list.js";
 import { html } from "./vendor.js";
 import { standing } from "./victims.js";
@@ -47,16 +48,17 @@ export function TopBar({ store, stops, onMission, onView }) {
       <i class="dot" aria-hidden="true"></i>${CONNECTIONS[state]}</span>
     <dl class="figures-bar">
       <${Figure} label="Mission clock" value=${missionClock(store.mission?.clock_s)} />
-      <${Figure} label="Explored" value=${`${Math.round(store.exploredM2)} m²`} />
       <${Figure} label="Robots live" value=${`${live} / ${robots.length}`} level=${live < robots.length ? "warn" : ""} />
       <${Figure} label="Victims" value=${open} level=${open ? "alarm" : ""} />
       ${alerts > 0 && html`<${Figure} label="Alerts" value=${alerts} level="alarm alerts" />`}
+      <${Figure} label="Explored" value=${`${Math.round(store.exploredM2)} m²`} level="explored" />
       <${Figure} label="Tags" value=${store.tags.size} />
     </dl>
     <div class="views" role="group" aria-label="View">
       ${VIEWS.map(([view, label, title]) => html`<button type="button" title=${title} class=${`view-${view}`}
         aria-pressed=${store.view === view} onClick=${() => onView(view)}>${label}</button>`)}
     </div>
+    <${LookMenu} store=${store} />
     <${Account} store=${store} />
     <${EvacuateButton} store=${store} />
     <${StopAll} store=${store} stops=${stops} />`;

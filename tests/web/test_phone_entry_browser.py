@@ -1,0 +1,130 @@
+"""Saying which tag one is at: by the camera on a printed label, or by its number as people type it."""
+
+from __future__ import annotations
+
+import re
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import httpx
+import numpy as np
+import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from PIL import Image
+from playwright.sync_api import Browser, BrowserContext, Page, expect
+
+from robots.sim.wire import observation_to_wire
+from robots.tags.short_id import short_id
+from server.app import create_app
+from server.labels import Sheet, sheets
+from server.settings import Settings
+from tests.web.camera_film import write_film
+from tests.web.conftest import CHROMIUM, Serve
+
+SOON_MS = 15_000
+PHONE = {"width": 390, "height": 844}
+
+
+@pytest.fixture(scope="module")
+def drill(tmp_path_factory: pytest.TempPathFactory, robot_log: Any) -> Iterator[dict[str, Any]]:
+    """A mission with tags: the host that serves it, and their ids."""
+    serve = Serve()
+    folder = tmp_path_factory.mktemp("drill")
+    host = serve(create_app(Settings(data_dir=folder, login="off", reply_s=60.0)))
+    with httpx.Client(base_url=f"http://{host}/api/v1", timeout=90) as client:
+        client.post(
+            "/missions", json={"name": "Drill", "mission_id": "drill", "tag_key": ""}
+        ).raise_for_status()
+        client.post("/missions/drill/robots", json={"robot_id": "r1"}).raise_for_status()
+        wires = [observation_to_wire(observation) for observation in robot_log.observations[:300]]
+        for k in range(0, len(wires), 100):
+            body = {"observations": wires[k : k + 100]}
+            client.post("/missions/drill/robots/r1/observations", json=body).raise_for_status()
+        for _ in range(600):
+            tags = client.get("/missions/drill/tags").json()["tags"]
+            if tags:
+                break
+            time.sleep(0.1)
+    yield {"host": host, "tags": [tag["tag_id"] for tag in tags]}
+    serve.close()
+
+
+def label(tag_id: str, site: str) -> Image.Image:
+    """A label as it is printed."""
+    figure = next(sheets([tag_id], site, Sheet()))
+    figure.set_dpi(150)
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    sheet = Image.fromarray(np.asarray(canvas.buffer_rgba()))
+    return sheet.crop((0, 0, sheet.width // 2, sheet.height // 4))
+
+
+@pytest.fixture
+def before_camera(browser: Browser) -> Iterator[Any]:
+    """Return a function that opens a browser whose camera looks at a picture."""
+    opened = []
+
+    def open_before(path: Path, picture: Image.Image) -> Browser:
+        write_film(path, [picture])
+        flags = [
+            "--no-sandbox",
+            "--use-fake-device-for-media-stream",
+            f"--use-file-for-fake-video-capture={path}",
+        ]
+        opened.append(browser.browser_type.launch(executable_path=CHROMIUM, args=flags))
+        return opened[-1]
+
+    yield open_before
+    for each in opened:
+        each.close()
+
+
+def at_the_door(context: BrowserContext, host: str) -> Page:
+    page = context.new_page()
+    page.goto(f"http://{host}/t")
+    page.get_by_role("button", name="Scan a label").click()
+    return page
+
+
+def test_the_camera_on_a_printed_label_opens_its_tag(drill: Any, before_camera: Any, tmp_path: Path) -> None:
+    tag_id = drill["tags"][0]
+    camera = before_camera(tmp_path / "film.y4m", label(tag_id, f"http://{drill['host']}"))
+    page = at_the_door(camera.new_context(viewport=PHONE, permissions=["camera"]), drill["host"])
+    expect(page.get_by_role("heading", name=f"Tag {tag_id}")).to_be_visible(timeout=SOON_MS)
+    assert page.url.endswith(f"/t/{tag_id}")
+
+    refused = at_the_door(camera.new_context(viewport=PHONE), drill["host"])
+    expect(refused.get_by_role("alert")).to_contain_text("The camera may not be used here.", timeout=SOON_MS)
+    expect(refused.get_by_label("The number on the tag")).to_be_visible()
+
+
+def test_a_label_of_another_server_is_asked_about(drill: Any, before_camera: Any, tmp_path: Path) -> None:
+    tag_id = drill["tags"][0]
+    camera = before_camera(tmp_path / "film.y4m", label(tag_id, "https://usar.example"))
+    page = at_the_door(camera.new_context(viewport=PHONE, permissions=["camera"]), drill["host"])
+    expect(page.get_by_role("alert")).to_contain_text("for another server, usar.example", timeout=SOON_MS)
+    page.get_by_role("button", name=f"Open our {tag_id}").click()
+    expect(page.get_by_role("heading", name=f"Tag {tag_id}")).to_be_visible(timeout=SOON_MS)
+
+
+def test_numbers_are_understood_as_people_type_them(drill: Any, browser: Browser) -> None:
+    tag_id = drill["tags"][0]
+    context = browser.new_context(viewport=PHONE)
+    context.add_init_script("Object.defineProperty(navigator, 'mediaDevices', { value: undefined })")
+    page = at_the_door(context, drill["host"])  # as on a page without https
+    expect(page.get_by_role("alert")).to_contain_text(
+        "keeps the camera for pages with https", timeout=SOON_MS
+    )
+    number = page.get_by_label("The number on the tag")
+    written = short_id(tag_id)
+    assert written is not None
+    wrong = written[:-1] + ("0" if written[-1] != "0" else "2")
+    number.fill(wrong)
+    page.get_by_role("button", name="Where am I?").click()
+    expect(page.get_by_role("alert")).to_contain_text(re.compile(f"No tag here has the number {wrong}"))
+    number.fill(written.lower().replace("-", " "))
+    page.get_by_role("button", name="Where am I?").click()
+    expect(page.get_by_role("heading", name=f"Tag {tag_id}")).to_be_visible(timeout=SOON_MS)
+    context.close()
