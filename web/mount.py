@@ -112,6 +112,9 @@ def mount_web(
     async def people(request: Request) -> Response:
         return _page(request, STATIC / "people" / "index.html")
 
+    async def missions(request: Request) -> Response:
+        return _page(request, STATIC / "missions" / "index.html")
+
     async def tag_home(request: Request) -> Response:
         return _page(request, STATIC / "phone" / "index.html")
 
@@ -127,6 +130,7 @@ def mount_web(
         app.add_api_route(address, door, methods=["GET", "HEAD"], include_in_schema=False)
     app.add_api_route("/t/{tag_id}", tag, methods=["GET", "HEAD"], include_in_schema=False)
     app.add_api_route("/t", tag_home, methods=["GET", "HEAD"], include_in_schema=False)
+    app.add_api_route("/missions", missions, methods=["GET", "HEAD"], include_in_schema=False)
     app.add_api_route("/people", people, methods=["GET", "HEAD"], include_in_schema=False)
     app.add_api_route("/favicon.ico", icon, methods=["GET", "HEAD"], include_in_schema=False)
     app.mount("/static", _Files(directory=STATIC), name="static")

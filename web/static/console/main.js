@@ -7,6 +7,7 @@ import { attachDivider } from "./divider.js";
 import { EventFeed } from "./events.js";
 import { closeMenus } from "./look_menu.js";
 import { isOpen } from "./node_sensors.js";
+import { PhotoViewer } from "./photos.js";
 import { Plan } from "./plan.js";
 import { RobotList } from "./robot_list.js";
 import { Scene } from "./scene.js";
@@ -133,6 +134,7 @@ function renderPanels() {
   render(html`<${Veil} store=${store} onRetry=${() => stream?.retry()} />`, element("veil"));
   render(html`<${Tabs} />`, element("tabs"));
   render(html`<${Notices} />`, element("notices"));
+  render(store.photo && store.photos.has(store.photo) ? html`<${PhotoViewer} store=${store} />` : null, element("viewer"));
   if (state !== announced) {
     announced = state;
     element("announcer").textContent = { live: "Connected, live", stale: "Data is stale", reconnecting: "Reconnecting" }[
