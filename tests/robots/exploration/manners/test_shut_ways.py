@@ -119,7 +119,7 @@ def test_who_has_nothing_to_do_stands_where_others_get_past(start):
     assert place[0] >= 4  # in the niche
     ring = parking_place(ground, grid.centre_of(*at["B"]), (0.6,), 0.6)
     assert ring is None  # so near it would shut the corridor
-    wide = parking_place(ground, grid.centre_of(*at["B"]), (0.6,), 0.25)
+    wide = parking_place(ground, grid.centre_of(*at["B"]), (0.6,), 0.15)
     assert wide is not None
 
 
