@@ -1,7 +1,7 @@
 /** The console: which mission, its stream, and the parts of the page that show it. */
 
 import { learnWho } from "./account.js";
-import { ApiError, request } from "./api.js";
+import { ApiError, refusal, request } from "./api.js";
 import { AlertList, TagCard } from "./alerts.js";
 import { attachDivider } from "./divider.js";
 import { EventFeed } from "./events.js";
@@ -14,6 +14,8 @@ import { PlanTools } from "./stage.js";
 import { StopControl } from "./stop_control.js";
 import { Store } from "./store.js";
 import { Stream } from "./stream.js";
+import { attachTimeKeys, PastBanner, TimeBar } from "./time_bar.js";
+import { TimeMarks } from "./time_marks.js";
 import { Banners, TopBar, Veil } from "./top_bar.js";
 import { html, render } from "./vendor.js";
 import { inboxKey, standing, VictimInbox } from "./victims.js";
@@ -27,6 +29,7 @@ const element = (id) => /** @type {HTMLElement} */ (document.getElementById(id))
 
 const store = new Store();
 const stops = new StopControl(store);
+const marks = new TimeMarks(store);
 const plan = new Plan(element("plan"), store);
 new Scene(element("scene-pane"), store);
 attachDivider(element("divider"), element("stage"), store);
@@ -47,6 +50,8 @@ function openMission(missionId) {
   if (missionId === store.missionId) return;
   stream?.close();
   store.best.clear();
+  store.past.clear(missionId);
+  marks.open(missionId);
   store.clearBoard();
   store.missionId = missionId;
   store.exploredM2 = 0;
@@ -118,11 +123,12 @@ function renderPanels() {
   const { state } = store.connection;
   document.body.dataset.tab = store.tab;
   document.body.dataset.view = store.view;
+  document.body.dataset.time = store.past.at_s === null ? "live" : "past";
   document.body.dataset.map = store.best.isShown ? "best" : "live";
   document.body.dataset.connection = state;
   document.title = `${state === "stale" ? "STALE · " : ""}${store.mission?.name ?? "Waymark"} · Waymark`;
   render(html`<${TopBar} store=${store} stops=${stops} onMission=${openMission} onView=${setView} />`, element("top"));
-  render(html`<${Banners} store=${store} stops=${stops} />`, element("banner"));
+  render(html`<${PastBanner} store=${store} /><${Banners} store=${store} stops=${stops} />`, element("banner"));
   render(html`<${RobotList} store=${store} stops=${stops} onSelect=${select("robot")} />`, element("robots"));
   render(html`
     <section id="alerts" aria-label="Alerts"><${AlertList} store=${store} onSelect=${show} /></section>
@@ -131,6 +137,7 @@ function renderPanels() {
     element("reports"));
   render(html`<${PlanTools} store=${store} plan=${plan} /><${TagCard} store=${store} />`, element("plan-tools"));
   render(html`<${Veil} store=${store} onRetry=${() => stream?.retry()} />`, element("veil"));
+  render(html`<${TimeBar} store=${store} marks=${marks} />`, element("time"));
   render(html`<${Tabs} />`, element("tabs"));
   render(html`<${Notices} />`, element("notices"));
   if (state !== announced) {
@@ -162,7 +169,12 @@ addEventListener("keydown", (event) => {
 
 addEventListener("look", () => store.changed());
 closeMenus();
-setInterval(() => store.changed(), TICK_MS);
+setInterval(() => {
+  store.past.refresh();
+  store.changed();
+}, TICK_MS);
+attachTimeKeys(store, marks);
+refusal.of = () => (store.past.at_s === null ? "" : "You look at the past. Go back to live first.");
 renderPanels();
 learnWho(store);
 watchMissions();

@@ -64,7 +64,7 @@ export function NoteTool({ store }) {
     if (store.picking?.kind === "note") store.picking = null;
     store.changed();
   };
-  return html`<button type="button" class="tool" aria-expanded=${draft !== null} disabled=${!store.mission}
+  return html`<button type="button" class="tool" aria-expanded=${draft !== null} disabled=${!store.mission || store.past.board !== null}
       onClick=${open}>Note</button>
     ${draft && html`<${DraftForm} store=${store} draft=${draft} />`}`;
 }

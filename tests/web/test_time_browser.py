@@ -1,0 +1,130 @@
+"""The past in a real browser, on the real server: scrub back, jump, play, STOP meanwhile, return."""
+
+from __future__ import annotations
+
+import re
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import httpx
+import pytest
+from fastapi import FastAPI
+from playwright.sync_api import Browser, Page, expect
+
+from server.app import create_app
+from server.settings import Settings
+from tests.web.small_robot import MISSION, SmallRobot
+
+pytestmark = pytest.mark.browser
+
+SOON_MS = 30_000
+AT = f"/api/v1/missions/{MISSION}"
+KNOWN = """() => [...document.querySelectorAll('canvas.building')].map((canvas) => {
+  const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
+  let known = 0;
+  for (let at = 3; at < data.length; at += 4) known += data[at] > 128;
+  return known;
+})"""
+
+
+@pytest.fixture
+def client(serve: Callable[[FastAPI], str], tmp_path: Path) -> Iterator[httpx.Client]:
+    """A server with a mission in which a robot drove, saw a victim, and a person was told of gas."""
+    host = serve(create_app(Settings(data_dir=tmp_path, login="off", reply_s=60.0)))
+    with httpx.Client(base_url=f"http://{host}", timeout=60) as client:
+        client.post("/api/v1/missions", json={"name": "Drill", "mission_id": MISSION}).raise_for_status()
+        robot = SmallRobot(client, "r1")
+        deadline = time.monotonic() + 60
+        while not client.get(f"{AT}/victims").json()["victims"] or _driven_m(client) < 1.5:
+            assert time.monotonic() < deadline
+            assert robot.failure is None
+            time.sleep(0.3)
+        words = {"kind": "hazard", "text": "gas", "x_m": 1.0, "y_m": 1.0}
+        note = f"{AT}/annotations/5b0c3f2e-9d2e-4c2f-8a43-000000000001"
+        client.put(note, json=words).raise_for_status()
+        time.sleep(6)  # a map comes into the past every five seconds
+        robot.stop()
+        yield client
+
+
+def _driven_m(client: httpx.Client) -> float:
+    state = client.get(f"{AT}/robots/r1").json()["state"]
+    return 0.0 if state is None else float(state["distance_m"])
+
+
+def scrub(page: Page, share: float) -> None:
+    box = page.locator("#time input").bounding_box()
+    assert box is not None
+    page.mouse.click(box["x"] + 8 + share * (box["width"] - 16), box["y"] + box["height"] / 2)
+
+
+def explored(page: Page) -> int:
+    return int(
+        re.sub(r"\D", "", page.locator(".bar-figure", has_text="Explored").locator("dd").inner_text()[:-1])
+    )
+
+
+def test_scrub_back_and_return(browser: Browser, client: httpx.Client) -> None:
+    page = browser.new_page(viewport={"width": 1366, "height": 768})
+    errors: list[str] = []
+    page.on("console", lambda message: errors.append(message.text) if message.type == "error" else None)
+    page.on("pageerror", lambda error: errors.append(str(error)))
+    page.goto(str(client.base_url.join("/console")))
+    banner, robot, note = (
+        page.locator(".past-banner"),
+        page.locator(".mark.robot"),
+        page.locator(".mark.note"),
+    )
+    card = page.locator('.robot-card[data-robot="r1"]')
+    expect(page.locator("#time input")).to_be_visible(timeout=SOON_MS)
+    expect(note).to_be_visible(timeout=SOON_MS)
+    page.wait_for_function(f"({KNOWN})().some((known) => known > 0)", timeout=SOON_MS)
+    (now_known,) = page.evaluate(KNOWN)
+    now_explored = explored(page)
+    now_driven = card.locator(".figure", has_text="Driven").locator(".figure-value").inner_text()
+    card.locator(".card-body").click()
+    expect(card.get_by_role("button", name="Hold")).to_be_visible()
+
+    scrub(page, 0.3)  # before the note: fewer walls, an earlier pose, no orders
+    expect(banner).to_contain_text(re.compile(r"You look at \d\d:\d\d:\d\d, \d+ s ago; orders are off"))
+    expect(note).to_have_count(0)
+    expect(card.get_by_role("button", name="Hold")).to_have_count(0)
+    expect(card.locator(".figure", has_text="Driven")).not_to_contain_text(now_driven)
+    page.wait_for_function(f"({KNOWN})().length === 1 && ({KNOWN})()[0] < {now_known}", timeout=SOON_MS)
+    assert explored(page) < now_explored
+    expect(robot).to_be_visible()
+
+    page.keyboard.press("[")
+    before = banner.inner_text()
+    page.keyboard.press("]")
+    expect(banner).not_to_have_text(before)
+    jumped = [mark.get_attribute("class") for mark in page.locator(".time-mark").all()]
+    assert "time-mark victim" in jumped
+    page.locator("#time input").focus()
+    page.keyboard.press("Home")
+    expect(robot).to_have_count(0)
+    page.locator("#time select").select_option("10")
+    page.get_by_role("button", name="Play").click()
+    expect(page.get_by_role("button", name="Play")).to_be_visible(timeout=SOON_MS)  # it came to the end
+    expect(note).to_be_visible()
+
+    page.locator(".victim-card .card-body").first.click()
+    page.keyboard.press("c")  # confirms a victim, but not now
+    expect(page.locator(".notice")).to_contain_text("You look at the past. Go back to live first.")
+    assert client.get(f"{AT}/victims").json()["victims"][0]["status"] == "suspected"
+
+    stop = page.get_by_role("button", name="STOP ALL").bounding_box()
+    assert stop is not None
+    page.mouse.move(stop["x"] + 20, stop["y"] + 20)
+    page.mouse.down()
+    expect(page.locator(".stop-all-state")).to_be_visible(timeout=SOON_MS)
+    page.mouse.up()
+    assert client.get(f"{AT}/robots/r1").json()["stopped"]
+    page.keyboard.press("Escape")
+    page.keyboard.press("l")
+    expect(banner).to_have_count(0)
+    expect(card).to_have_attribute("data-stop", re.compile("ordered|braking|stopped"))
+    page.wait_for_function(f"({KNOWN})().length === 1 && ({KNOWN})()[0] === {now_known}", timeout=SOON_MS)
+    assert errors == []
+    page.close()
