@@ -14,6 +14,7 @@ from db.missions import MissionStore
 from db.nodes import NodeStore
 from db.orders import OrderStore
 from db.people import PeopleStore
+from db.photos import PhotoStore
 from db.tags import TagStore
 
 
@@ -30,6 +31,7 @@ class Store:
         self.alerts = AlertStore(database)
         self.orders = OrderStore(database)
         self.findings = FindingStore(database)
+        self.photos = PhotoStore(database)
         self.people = PeopleStore(database)
         self.history = HistoryStore(database)
 

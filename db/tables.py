@@ -30,10 +30,14 @@ missions = Table(
     metadata,
     Column("mission_id", ID, primary_key=True),
     Column("name", Text, nullable=False),
-    Column("state", String(20), nullable=False),
+    Column("state", String(20), nullable=False),  # draft | running | paused | closed | archived
     Column("created_unix_s", Float, nullable=False),
     Column("stopped_all", Boolean, nullable=False),
     Column("tag_key", String(64), nullable=False, server_default=""),
+    Column("state_by", String(200), nullable=False, server_default=""),
+    Column("state_unix_s", Float, nullable=False, server_default="0"),
+    Column("started_unix_s", Float),
+    Column("ran_s", Float, nullable=False, server_default="0"),
 )
 
 robots = Table(

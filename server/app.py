@@ -23,6 +23,7 @@ from server.api import (
     missions,
     observations,
     orders,
+    photos,
     pocket,
     robot_tokens,
     robots,
@@ -81,7 +82,12 @@ def create_app(settings: Settings) -> FastAPI:
         lifespan=lifespan,
     )
     add_error_handlers(app)
-    app.add_middleware(Guard, max_body_bytes=settings.max_body_bytes, loopback_only=settings.login == "off")
+    app.add_middleware(
+        Guard,
+        max_body_bytes=settings.max_body_bytes,
+        max_photo_bytes=settings.max_photo_bytes,
+        loopback_only=settings.login == "off",
+    )
     api = APIRouter(prefix="/api/v1")
     for module in (
         health,
@@ -102,6 +108,7 @@ def create_app(settings: Settings) -> FastAPI:
         alerts,
         evacuation,
         annotations_api,
+        photos,
         maps,
         best_map,
         stream,

@@ -110,6 +110,7 @@ class TeamHost:
         self._shares: dict[str, _Share] = {}
         self._begun = asyncio.Event()
         self._changed = asyncio.Event()
+        self._solving = False
         self._worker: Worker | None = None
         self._task = asyncio.create_task(self._run(), name=f"team map of {name}")
 
@@ -143,6 +144,11 @@ class TeamHost:
         """Solve from now on."""
         self._begun.set()
 
+    async def settled(self) -> None:
+        """Wait until everything that was put is in a map that was passed on."""
+        while self._changed.is_set() or self._solving:
+            await asyncio.sleep(0.05)
+
     async def close(self) -> None:
         """End the process."""
         self._task.cancel()
@@ -156,6 +162,7 @@ class TeamHost:
         while True:
             await self._changed.wait()
             self._changed.clear()
+            self._solving = True
             began_s = time.monotonic()
             try:
                 update = await self._solve()
@@ -176,6 +183,7 @@ class TeamHost:
                 await self._on_update(update)
             except Exception:  # the next solution is independent of this one
                 log.exception("a team map could not be published", mission_id=self._name)
+            self._solving = False
             await asyncio.sleep(max(0.0, _PERIOD_S - (time.monotonic() - began_s)))
 
     async def _solve(self) -> TeamUpdate:

@@ -76,6 +76,8 @@ async def take_back(
             await mission.annotations.remove(entry.subject)
         else:
             await mission.annotations.put(AnnotationRecord.of(entry.before))
+    elif entry.action == "delete_photo":
+        await mission.photos.put_back(entry.subject)
     else:
-        message = "Only changes of victims and of annotations can be taken back."
+        message = "Only changes of victims, annotations and photos can be taken back."
         raise ApiError(409, "cannot_undo", message, "audit_id")

@@ -10,6 +10,7 @@ import typer
 
 from server.cli import (
     bench,
+    ca,
     demo,
     evaluate,
     experiment,
@@ -46,6 +47,7 @@ def build() -> typer.Typer:
     command.command("experiment")(experiment.experiment)
     command.command("bench")(bench.bench)
     command.add_typer(tag.tag)
+    command.command("ca")(ca.ca)
     command.command("labels")(labels.labels)
     command.command("warm")(warm.warm)
     return command

@@ -11,14 +11,13 @@ from typing import Any
 import pytest
 from playwright.sync_api import Browser, Page, expect
 
-from robots.sim.wire import observation_to_wire
 from server.app import create_app
 from server.settings import Settings
 from tests.web.axe import Audit
+from tests.web.driven import drive
 
 pytestmark = pytest.mark.browser
 SOON_MS = 15_000
-START = {"x_m": 0.0, "y_m": 0.0, "yaw_rad": 0.4, "sd_m": 0.05, "sd_rad": 0.01}
 
 
 @pytest.fixture
@@ -39,27 +38,6 @@ def link(serve: Any, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> str:
     return f"http://{host}" + re.search(r"http://[^/]+(/join#\S+)", out)[1]  # type: ignore[index]
 
 
-def _drive(page: Page, home: str, robot_log: Any) -> dict[str, Any]:
-    """Have a robot pass tags and see a victim; return the victim and a tag."""
-    post = page.request.post
-    api = f"{home}/api/v1/missions"
-    origin = {"Origin": home}
-    assert post(api, data={"name": "Drill", "mission_id": "drill", "tag_key": ""}, headers=origin).ok
-    robot = {"robot_id": "r1", "config": {"deployment": {"spacing_m": 2.0}}, "start_pose": START}
-    assert post(f"{api}/drill/robots", data=robot, headers=origin).ok
-    wires = [observation_to_wire(observation) for observation in robot_log.observations]
-    for k in range(0, len(wires), 100):
-        body = {"observations": wires[k : k + 100]}
-        assert post(f"{api}/drill/robots/r1/observations", data=body, headers=origin, timeout=90_000).ok
-    for _ in range(900):
-        victims = page.request.get(f"{api}/drill/victims").json()["victims"]
-        tags = page.request.get(f"{api}/drill/tags").json()["tags"]
-        if victims and tags:
-            return {"victim": victims[0]["victim_id"], "tag": tags[0]["tag_id"]}
-        time.sleep(0.1)
-    raise AssertionError("the robot's log shows no victim")
-
-
 def test_every_page_and_state_has_no_violation(link: str, page: Page, robot_log: Any) -> None:
     home = link.split("/join")[0]
     audit = Audit(page)
@@ -74,7 +52,7 @@ def test_every_page_and_state_has_no_violation(link: str, page: Page, robot_log:
     expect(page.get_by_text("No mission yet")).to_be_visible(timeout=SOON_MS)
     audit.look("console without a mission")
 
-    seen = _drive(page, home, robot_log)
+    seen = drive(page.request, home, robot_log)
     expect(page.locator(".victim-card")).to_be_visible(timeout=SOON_MS)
     audit.look("console with a mission")
     page.get_by_label("Logged in as Ada").click()
@@ -85,6 +63,13 @@ def test_every_page_and_state_has_no_violation(link: str, page: Page, robot_log:
     page.get_by_role("button", name="Layers").click()
     page.locator(".robot-card .card-body").click()
     audit.look("console, robot and layers")
+    page.keyboard.press("?")
+    expect(page.get_by_role("dialog")).to_be_visible()
+    audit.look("console, keys")
+    page.keyboard.press("Escape")
+    page.keyboard.press("m")
+    page.get_by_label("Find a robot").fill("r")
+    audit.look("console, measuring and finding")
     page.get_by_role("button", name="Note", exact=True).click()
     page.keyboard.press("j")
     expect(page.locator(".case")).to_be_visible()

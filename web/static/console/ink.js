@@ -4,6 +4,8 @@ import { color } from "../theme.js";
 import { robotColor } from "./color.js";
 import { ellipse } from "./format.js";
 import { drawFrontiers } from "./frontiers.js";
+import { drawGridReference } from "./grid_reference.js";
+import { drawMeasured } from "./measure.js";
 import { drawAreas } from "./notes.js";
 
 /** @import {Store} from "./store.js" */
@@ -23,6 +25,7 @@ export const drawGround = (store) =>
    * @param {View} view
    */
   (ctx, view) => {
+    if (store.layers.reference) drawGridReference(ctx, view);
     if (!store.layers.grid) return;
     const step_m = GRID_STEPS_M.find((step) => step * view.scale >= 24) ?? 1000;
     ctx.lineWidth = 1;
@@ -57,6 +60,7 @@ export const drawInk = (store) =>
     if (store.layers.frontiers && !store.best.isShown) drawFrontiers(ctx, view, store);
     if (store.layers.plans) drawPlan(ctx, view, store);
     if (store.layers.tags) drawTags(ctx, view, store);
+    if (store.measured) drawMeasured(ctx, view, store.measured);
   };
 
 /**
@@ -203,7 +207,7 @@ function drawTags(ctx, view, store) {
   if (!isClose) return;
   const alerted = new Set(store.layers.sensors ? [...store.alerts.values()].map((alert) => alert.tag_id ?? "") : []);
   const named = drawn.filter(({ tag }) => !alerted.has(tag.tag_id)); // an alert's mark has the name already
-  drawTagLabels(ctx, named, radius, store.layers.sensors ? store.nodes : null);
+  drawTagLabels(ctx, view, named, radius, store.layers.sensors ? store.nodes : null);
 }
 
 /**
@@ -252,12 +256,13 @@ function labelOf(tag, node) {
 /**
  * Ids beside their tags, leaving out those that would cover an earlier one.
  * @param {CanvasRenderingContext2D} ctx
+ * @param {View} view
  * @param {{tag: import("./types.js").Tag, x: number, y: number}[]} drawn
  * @param {number} radius
  * @param {Map<string, import("./types.js").Node> | null} sensors
  */
-function drawTagLabels(ctx, drawn, radius, sensors) {
-  ctx.font = "600 11px ui-monospace, SFMono-Regular, Menlo, Consolas, monospace";
+function drawTagLabels(ctx, view, drawn, radius, sensors) {
+  ctx.font = `600 ${Math.round(11 * view.text)}px ui-monospace, SFMono-Regular, Menlo, Consolas, monospace`;
   ctx.textBaseline = "middle";
   ctx.lineWidth = 3;
   ctx.strokeStyle = color("halo");
@@ -267,7 +272,7 @@ function drawTagLabels(ctx, drawn, radius, sensors) {
     const left = x + radius + 4;
     const text = labelOf(tag, sensors?.get(tag.tag_id));
     const width = ctx.measureText(text).width;
-    if (placed.some(([l, t, w]) => Math.abs(t - y) < 13 && left < l + w + 6 && l < left + width + 6)) continue;
+    if (placed.some(([l, t, w]) => Math.abs(t - y) < 13 * view.text && left < l + w + 6 && l < left + width + 6)) continue;
     placed.push([left, y, width]);
     ctx.strokeText(text, left, y);
     ctx.fillText(text, left, y);

@@ -102,7 +102,7 @@ export const drawEnds = (store) =>
    */
   (ctx, view) => {
     if (!store.best.isShown || !store.layers.trails) return;
-    ctx.font = "600 13px system-ui, sans-serif";
+    ctx.font = `600 ${Math.round(13 * view.text)}px system-ui, sans-serif`;
     ctx.textBaseline = "middle";
     for (const robot of store.best.content?.robots ?? []) {
       if (!robot.located) continue;

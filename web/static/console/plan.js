@@ -5,7 +5,8 @@ import { canvasLayer } from "./canvas_layer.js";
 import { drawGround, drawInk } from "./ink.js";
 import { Marks } from "./marks.js";
 import { drawEnds } from "./map_switch.js";
-import { addCorner } from "./notes.js";
+import { addPoint } from "./measure.js";
+import { addCorner, placeOf } from "./notes.js";
 import { pickPlace } from "./robot_orders.js";
 import { L } from "./vendor.js";
 
@@ -73,10 +74,14 @@ export class Plan {
     this.map.on("zoom move", () => store.changed());
     this.map.on("mousemove", (event) => this.#point(event.latlng));
     this.map.on("click", (event) => {
-      if (pickPlace(store, { x_m: event.latlng.lng, y_m: event.latlng.lat })) return;
-      if (addCorner(store, [event.latlng.lng, event.latlng.lat])) return;
+      if (this.#take(event.latlng)) return;
       const id = this.#tagAt(event.latlng, CLICK_PX);
       if (id) store.select({ kind: "tag", id });
+    });
+    root.addEventListener("pointerdown", () => root.classList.remove("by-keys"), { capture: true });
+    root.addEventListener("keydown", (event) => {
+      root.classList.add("by-keys");
+      if (event.target === root && event.key === "Enter") this.#take(this.map.getCenter());
     });
     this.map.on("mouseout", () => {
       this.cursor = null;
@@ -87,7 +92,7 @@ export class Plan {
   }
 
   update() {
-    this.map.getContainer().classList.toggle("picking", this.store.picking !== null || this.store.draft?.isArea === true);
+    this.map.getContainer().classList.toggle("picking", this.isAsking());
     this.building.update();
     this.best.update();
     this.past.update();
@@ -97,6 +102,23 @@ export class Plan {
     this.ends.refresh();
     if (this.mode === "fit") this.#fit();
     if (this.mode === "follow") this.#follow();
+  }
+
+  /** Whether the next click on the plan is a place that somebody asks for. */
+  isAsking() {
+    const { picking, draft, measured } = this.store;
+    return picking !== null || draft?.isArea === true || measured !== null;
+  }
+
+  /** The place for whatever asks for one; false when nothing does. @param {import("leaflet").LatLng} place */
+  #take({ lng: x_m, lat: y_m }) {
+    return pickPlace(this.store, { x_m, y_m }) || addCorner(this.store, [x_m, y_m]) || addPoint(this.store, [x_m, y_m]);
+  }
+
+  /** The middle of what is seen. */
+  middle() {
+    const { lng: x_m, lat: y_m } = this.map.getCenter();
+    return { x_m, y_m };
   }
 
   /** Show the whole mission, and go on doing so while it grows. */
@@ -118,16 +140,25 @@ export class Plan {
     this.map.setZoom(this.map.getZoom() + steps * 0.75);
   }
 
-  /** Put the selected robot, victim or tag into the middle of the view. */
-  centreOnSelected() {
-    const { selected, best, robots, shown } = this.store;
+  /** @returns {[number, number] | undefined} where the selected thing is, x and y in metres */
+  #selectedAt() {
+    const { selected, best, robots, shown, annotations } = this.store;
+    const id = selected?.id ?? "";
+    const note = selected?.kind === "note" && annotations.get(id);
+    if (note) return /** @type {[number, number]} */ (placeOf(note, shown.tags.get(note.tag_id ?? "")));
     const ends = new Map(best.content?.robots.map((robot) => [robot.robot_id, robot]));
     const thing = selected?.kind === "robot"
-      ? (best.isShown ? ends : robots).get(selected.id)
-      : (selected?.kind === "tag" ? shown.tags : shown.victims).get(selected?.id ?? "");
-    if (!thing) return;
+      ? (best.isShown ? ends : robots).get(id)
+      : (selected?.kind === "tag" ? shown.tags : shown.victims).get(id);
+    return thing && [thing.x_m, thing.y_m];
+  }
+
+  /** Put what is selected into the middle of the view. */
+  centreOnSelected() {
+    const place = this.#selectedAt();
+    if (!place?.every(Number.isFinite)) return;
     if (this.mode === "fit") this.#setMode("free");
-    this.map.setView([thing.y_m, thing.x_m], Math.max(this.map.getZoom(), CLOSE_ZOOM - 0.7), { animate: false });
+    this.map.setView([place[1], place[0]], Math.max(this.map.getZoom(), CLOSE_ZOOM - 0.7), { animate: false });
   }
 
   /** Pixels per metre. */

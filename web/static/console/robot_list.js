@@ -3,7 +3,7 @@
 import { robotStyle } from "./color.js";
 import { age, ellipse, fixed, metres, percent } from "./format.js";
 import { HoldButton } from "./hold_button.js";
-import { RobotOrders, shareOf } from "./robot_orders.js";
+import { Pending, RobotOrders, shareOf } from "./robot_orders.js";
 import { html } from "./vendor.js";
 
 /** @import {Robot} from "./types.js" */
@@ -66,6 +66,7 @@ function RobotCard({ robot, store, stops, isCompact, onSelect }) {
         </span>
         ${!isCompact && state}
         <span class="reason">${robot.reason || "No reason given."}</span>
+        ${!isSelected && html`<${Pending} store=${store} robotId=${id} />`}
         <span class="figures">
           <${Figure} label="Battery" value=${percent(battery)} warn=${isLow}>
             ${battery !== null && html`<span class="gauge" aria-hidden="true">

@@ -1,24 +1,29 @@
 /** What lies over the plan: tools, layers, scale, cursor, north, and words when there is nothing to show. */
 
 import { fixed } from "./format.js";
+import { gridReference } from "./grid_reference.js";
 import { BestWords, MapSwitch } from "./map_switch.js";
+import { MeasureTool } from "./measure.js";
 import { NoteCard, NoteTool } from "./notes.js";
+import { Search } from "./search.js";
 import { LAYERS } from "./store.js";
 import { Component, html } from "./vendor.js";
 
 /** @import {Plan} from "./plan.js" */
-/** @import {Store} from "./store.js" */
+/** @import {Selected, Store} from "./store.js" */
 
 const LONGEST_BAR_PX = 120;
 
-/** @param {{store: Store, plan: Plan}} props */
-export function PlanTools({ store, plan }) {
+/** @param {{store: Store, plan: Plan, onSelect: (selected: Selected) => void}} props */
+export function PlanTools({ store, plan, onSelect }) {
   const hasRobot = store.selected?.kind === "robot" && !store.best.isShown;
   return html`
     <div class="tools tools-left">
+      <${Search} store=${store} onSelect=${onSelect} />
       <${MapSwitch} store=${store} />
       <${LayerMenu} store=${store} />
       <${NoteTool} store=${store} />
+      <${MeasureTool} store=${store} />
     </div>
     <div class="tools tools-right">
       <svg class="north" viewBox="0 0 48 48" role="img" aria-label="North is to the right">
@@ -31,18 +36,24 @@ export function PlanTools({ store, plan }) {
       <button type="button" class="tool" aria-pressed=${plan.mode === "fit"} onClick=${() => plan.fit()}
               title="Show the whole mission (F)">Fit</button>
       ${hasRobot && html`<button type="button" class="tool" aria-pressed=${plan.mode === "follow"}
-              onClick=${() => plan.follow()} title="Keep the selected robot in the middle">Follow</button>`}
+              onClick=${() => plan.follow()} title="Keep the selected robot in the middle (G)">Follow</button>`}
     </div>
     <div class="readout">
       <${ScaleBar} scale=${plan.scale()} />
-      ${plan.cursor && html`<span class="cursor">x ${fixed(plan.cursor.x_m, 2)}  y ${fixed(plan.cursor.y_m, 2)} m
-        ${plan.cursor.tag && html`<b>${plan.cursor.tag}</b>`}</span>`}
+      <${Coordinates} at=${plan.cursor ?? plan.middle()} tag=${plan.cursor?.tag} />
       ${noticeAt(plan, store) && html`<span class="tag-notice">${noticeAt(plan, store)}</span>`}
     </div>
     <${BestWords} store=${store} />
     <${NoteCard} store=${store} />
     <${PlanWords} store=${store} />`;
 }
+
+/**
+ * Where the cursor is; without one, the middle of the plan.
+ * @param {{at: {x_m: number, y_m: number}, tag?: string}} props
+ */
+const Coordinates = ({ at, tag }) => html`<span class="cursor"><b>${gridReference(at.x_m, at.y_m)}</b>
+  x ${fixed(at.x_m, 2)}  y ${fixed(at.y_m, 2)} m ${tag && html`<b>${tag}</b>`}</span>`;
 
 /**
  * What is wrong with the tag under the cursor, if anything.

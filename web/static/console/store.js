@@ -14,6 +14,7 @@ const LOST_AFTER_S = 10;
 export const LAYERS = /** @type {const} */ ({
   map: ["Building", true],
   grid: ["Metre grid", true],
+  reference: ["Grid reference", false],
   trails: ["Trails", true],
   tags: ["Tags", true],
   sensors: ["Node sensors", true],
@@ -24,6 +25,8 @@ export const LAYERS = /** @type {const} */ ({
   victims: ["Victims", true],
   notes: ["Notes and hazards", true],
 });
+
+/** @typedef {{kind: "robot" | "victim" | "tag" | "note", id: string}} Selected */
 
 export class Store {
   /** What the mission shows now. */
@@ -42,7 +45,7 @@ export class Store {
     this.connection = { state: "loading", heardAt: Date.now(), attempt: 0, retryAt: 0, reason: "" };
     /** Difference between the server's clock and ours, in seconds. */
     this.clockOffset_s = 0;
-    /** @type {{kind: "robot" | "victim" | "tag" | "note", id: string} | null} */
+    /** @type {Selected | null} */
     this.selected = null;
     /** @type {Map<number, {text: string, level: "warning" | "alarm"}>} */
     this.notices = new Map();
@@ -52,6 +55,8 @@ export class Store {
     this.picking = null;
     /** What is being written on the map. @type {import("./notes.js").Draft | null} */
     this.draft = null;
+    /** Corners of what is being measured, x and y in metres. @type {[number, number][] | null} */
+    this.measured = null;
     const kept = readPreferences();
     /** @type {Record<string, boolean>} */
     this.layers = Object.fromEntries(
@@ -161,7 +166,7 @@ export class Store {
     return { link: isLost ? "lost" : isLate ? "late" : robot.link, age_s };
   }
 
-  /** @param {{kind: "robot" | "victim" | "tag" | "note", id: string} | null} selected */
+  /** @param {Selected | null} selected */
   select(selected) {
     this.selected = selected;
     this.changed();

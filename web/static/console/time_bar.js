@@ -26,7 +26,7 @@ export function TimeBar({ store, marks }) {
     <div class="time-buttons" role="group" aria-label="Playing">
       <${Icon} icon="before" label="To the event before ([)" isWide=${true} onClick=${() => jump(store, marks, -1)} />
       <${Icon} icon="back" label="A second back (,)" isWide=${true} onClick=${() => past.step(-STEP_S)} />
-      <${Icon} icon=${past.isPlaying ? "pause" : "play"} label=${past.isPlaying ? "Pause (Space)" : "Play (Space)"}
+      <${Icon} icon=${past.isPlaying ? "pause" : "play"} label=${past.isPlaying ? "Pause (Y)" : "Play (Y)"}
         onClick=${() => toggle(store)} />
       <${Icon} icon="on" label="A second on (.)" isWide=${true} onClick=${() => past.step(STEP_S)} />
       <${Icon} icon="after" label="To the next event (])" isWide=${true} onClick=${() => jump(store, marks, 1)} />
@@ -93,20 +93,12 @@ function sliderKey(store, marks, event) {
   event.preventDefault();
 }
 
-/** Keys that work wherever the focus is, but for places to write. @param {Store} store @param {TimeMarks} marks */
-export function attachTimeKeys(store, marks) {
-  /** @type {Record<string, () => void>} */
-  const keys = {
-    ",": () => store.past.step(-STEP_S), ".": () => store.past.step(STEP_S), "<": () => store.past.step(-LONG_STEP_S),
-    ">": () => store.past.step(LONG_STEP_S), "[": () => jump(store, marks, -1), "]": () => jump(store, marks, 1),
-    " ": () => toggle(store), l: () => store.past.live(),
-  };
-  addEventListener("keydown", (event) => {
-    const { tagName } = /** @type {HTMLElement} */ (event.target);
-    if (event.ctrlKey || event.metaKey || event.altKey || /^(INPUT|SELECT|TEXTAREA)$/.test(tagName)) return;
-    if (!Object.hasOwn(keys, event.key) || !store.past.spans.length) return;
-    if (event.key === " " && /^(BUTTON|SUMMARY|A|DIV|LI|OL)$/.test(tagName)) return; // there it presses or scrolls
-    event.preventDefault();
-    keys[event.key]();
-  });
-}
+/** @param {Store} store @param {TimeMarks} marks @returns {import("./keys.js").ShortCut[]} */
+export const timeKeys = (store, marks) => [
+  { keys: ", .", words: "The past: a second back, a second on",
+    act: (key) => store.past.step(key === "," ? -STEP_S : STEP_S) },
+  { keys: "< >", words: "The past: ten seconds back, ten seconds on",
+    act: (key) => store.past.step(key === "<" ? -LONG_STEP_S : LONG_STEP_S) },
+  { keys: "[ ]", words: "The past: to the event before, to the next", act: (key) => jump(store, marks, key === "[" ? -1 : 1) },
+  { keys: "y l", words: "The past: play or pause, back to live", act: (key) => (key === "l" ? store.past.live() : toggle(store)) },
+];

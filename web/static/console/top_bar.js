@@ -48,10 +48,10 @@ export function TopBar({ store, stops, onMission, onView }) {
       <i class="dot" aria-hidden="true"></i>${CONNECTIONS[state]}</span>
     <dl class="figures-bar">
       <${Figure} label="Mission clock" value=${missionClock(store.mission?.clock_s)} />
-      <${Figure} label="Explored" value=${`${Math.round(store.past.board?.map?.explored_m2 ?? store.exploredM2)} m²`} />
       <${Figure} label="Robots live" value=${`${live} / ${robots.length}`} level=${live < robots.length ? "warn" : ""} />
       <${Figure} label="Victims" value=${open} level=${open ? "alarm" : ""} />
       ${alerts > 0 && html`<${Figure} label="Alerts" value=${alerts} level="alarm alerts" />`}
+      <${Figure} label="Explored" value=${`${Math.round(store.past.board?.map?.explored_m2 ?? store.exploredM2)} m²`} level="explored" />
       <${Figure} label="Tags" value=${store.tags.size} />
     </dl>
     <div class="views" role="group" aria-label="View">

@@ -1,0 +1,66 @@
+"""The tables of how missions go: what is left of a closed one, how they got on, and photos."""
+
+from sqlalchemy import (
+    JSON,
+    Boolean,
+    Column,
+    Float,
+    ForeignKeyConstraint,
+    Integer,
+    LargeBinary,
+    String,
+    Table,
+    Text,
+)
+
+from db.schema import ID, metadata
+
+
+def _of_mission() -> ForeignKeyConstraint:
+    return ForeignKeyConstraint(["mission_id"], ["missions.mission_id"])
+
+
+endings = Table(
+    "endings",
+    metadata,
+    Column("mission_id", ID, primary_key=True),
+    Column("ended_unix_s", Float, nullable=False),
+    Column("board", JSON, nullable=False),  # keys and values that no other table holds
+    Column("grid", LargeBinary),  # robots.codec of TeamGrid; NULL where there was no map
+    _of_mission(),
+)
+
+progress = Table(
+    "progress",
+    metadata,
+    Column("mission_id", ID, primary_key=True),
+    Column("unix_s", Float, primary_key=True),
+    Column("clock_s", Float, nullable=False),  # the robots' own
+    Column("explored_m2", Float, nullable=False),
+    Column("tags", Integer, nullable=False),
+    Column("victims", Integer, nullable=False),
+    _of_mission(),
+)
+
+photos = Table(
+    "photos",
+    metadata,
+    Column("mission_id", ID, primary_key=True),
+    Column("photo_id", String(36), primary_key=True),
+    Column("sha256", String(64), nullable=False),
+    Column("width", Integer, nullable=False),
+    Column("height", Integer, nullable=False),
+    Column("text", Text, nullable=False),
+    Column("victim_id", ID),
+    Column("annotation_id", String(36)),
+    Column("tag_id", ID),
+    Column("x_m", Float),
+    Column("y_m", Float),
+    Column("by", String(200), nullable=False),
+    Column("taken_unix_s", Float),
+    Column("created_unix_s", Float, nullable=False),
+    Column("whole", LargeBinary, nullable=False),  # JPEG, without anything else that was in the file
+    Column("small", LargeBinary, nullable=False),
+    Column("deleted", Boolean, nullable=False),
+    _of_mission(),
+)
