@@ -27,25 +27,34 @@ KNOWN = """() => [...document.querySelectorAll('canvas.building')].map((canvas) 
   return known;
 })"""
 
+EXPLORED = """() => Number([...document.querySelectorAll('.bar-figure')]
+  .find((figure) => figure.textContent.includes('Explored')).querySelector('dd').textContent.split(' ')[0])"""
+
 
 @pytest.fixture
-def client(serve: Callable[[FastAPI], str], tmp_path: Path) -> Iterator[httpx.Client]:
-    """A server with a mission in which a robot drove, saw a victim, and a person was told of gas."""
+def drill(serve: Callable[[FastAPI], str], tmp_path: Path) -> Iterator[tuple[httpx.Client, float]]:
+    """A mission where a robot drove and saw a victim, a person told of gas, and a moment before that."""
     host = serve(create_app(Settings(data_dir=tmp_path, login="off", reply_s=60.0)))
     with httpx.Client(base_url=f"http://{host}", timeout=60) as client:
         client.post("/api/v1/missions", json={"name": "Drill", "mission_id": MISSION}).raise_for_status()
         robot = SmallRobot(client, "r1")
-        deadline = time.monotonic() + 60
-        while not client.get(f"{AT}/victims").json()["victims"] or _driven_m(client) < 1.5:
-            assert time.monotonic() < deadline
-            assert robot.failure is None
-            time.sleep(0.3)
+        eventually(lambda: client.get(f"{AT}/map").is_success and _driven_m(client) > 0.3)
+        moment = time.time() + 1.0
+        eventually(lambda: client.get(f"{AT}/victims").json()["victims"] and _driven_m(client) > 2.0)
         words = {"kind": "hazard", "text": "gas", "x_m": 1.0, "y_m": 1.0}
         note = f"{AT}/annotations/5b0c3f2e-9d2e-4c2f-8a43-000000000001"
         client.put(note, json=words).raise_for_status()
-        time.sleep(6)  # a map comes into the past every five seconds
+        eventually(lambda: time.time() > moment + 8)  # a map comes into the past every five seconds
         robot.stop()
-        yield client
+        assert robot.failure is None
+        yield client, moment
+
+
+def eventually(condition: Callable[[], object]) -> None:
+    deadline = time.monotonic() + 60
+    while not condition():
+        assert time.monotonic() < deadline, "it did not happen in time"
+        time.sleep(0.2)
 
 
 def _driven_m(client: httpx.Client) -> float:
@@ -59,13 +68,8 @@ def scrub(page: Page, share: float) -> None:
     page.mouse.click(box["x"] + 8 + share * (box["width"] - 16), box["y"] + box["height"] / 2)
 
 
-def explored(page: Page) -> int:
-    return int(
-        re.sub(r"\D", "", page.locator(".bar-figure", has_text="Explored").locator("dd").inner_text()[:-1])
-    )
-
-
-def test_scrub_back_and_return(browser: Browser, client: httpx.Client) -> None:
+def test_scrub_back_and_return(browser: Browser, drill: tuple[httpx.Client, float]) -> None:
+    client, moment = drill
     page = browser.new_page(viewport={"width": 1366, "height": 768})
     errors: list[str] = []
     page.on("console", lambda message: errors.append(message.text) if message.type == "error" else None)
@@ -79,20 +83,25 @@ def test_scrub_back_and_return(browser: Browser, client: httpx.Client) -> None:
     card = page.locator('.robot-card[data-robot="r1"]')
     expect(page.locator("#time input")).to_be_visible(timeout=SOON_MS)
     expect(note).to_be_visible(timeout=SOON_MS)
-    page.wait_for_function(f"({KNOWN})().some((known) => known > 0)", timeout=SOON_MS)
+    eventually(lambda: any(page.evaluate(KNOWN)))
     (now_known,) = page.evaluate(KNOWN)
-    now_explored = explored(page)
+    eventually(lambda: page.evaluate(EXPLORED) > 0)
+    now_explored = page.evaluate(EXPLORED)
     now_driven = card.locator(".figure", has_text="Driven").locator(".figure-value").inner_text()
     card.locator(".card-body").click()
     expect(card.get_by_role("button", name="Hold")).to_be_visible()
 
-    scrub(page, 0.3)  # before the note: fewer walls, an earlier pose, no orders
+    index = client.get(f"{AT}/history").json()
+    whole_s = index["ends_unix_s"] - index["begins_unix_s"]
+    scrub(
+        page, (moment - index["begins_unix_s"]) / whole_s
+    )  # before the note: fewer walls, an earlier pose, no orders
     expect(banner).to_contain_text(re.compile(r"You look at \d\d:\d\d:\d\d, \d+ s ago; orders are off"))
     expect(note).to_have_count(0)
     expect(card.get_by_role("button", name="Hold")).to_have_count(0)
     expect(card.locator(".figure", has_text="Driven")).not_to_contain_text(now_driven)
-    page.wait_for_function(f"({KNOWN})().length === 1 && ({KNOWN})()[0] < {now_known}", timeout=SOON_MS)
-    assert explored(page) < now_explored
+    eventually(lambda: [known < now_known for known in page.evaluate(KNOWN)] == [True])
+    assert page.evaluate(EXPLORED) < now_explored
     expect(robot).to_be_visible()
 
     page.keyboard.press("[")
@@ -125,6 +134,6 @@ def test_scrub_back_and_return(browser: Browser, client: httpx.Client) -> None:
     page.keyboard.press("l")
     expect(banner).to_have_count(0)
     expect(card).to_have_attribute("data-stop", re.compile("ordered|braking|stopped"))
-    page.wait_for_function(f"({KNOWN})().length === 1 && ({KNOWN})()[0] === {now_known}", timeout=SOON_MS)
+    eventually(lambda: page.evaluate(KNOWN) == [now_known])
     assert errors == []
     page.close()
