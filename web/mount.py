@@ -116,6 +116,9 @@ def mount_web(
     async def people(request: Request) -> Response:
         return _page(request, STATIC / "people" / "index.html")
 
+    async def missions(request: Request) -> Response:
+        return _page(request, STATIC / "missions" / "index.html")
+
     async def phone(request: Request) -> Response:
         return _page(request, STATIC / "phone" / "index.html")
 
@@ -134,6 +137,7 @@ def mount_web(
     for address in ("/phone", "/t", "/t/{tag_id}"):
         app.add_api_route(address, phone, methods=["GET", "HEAD"], include_in_schema=False)
     app.add_api_route("/sw.js", phone_worker, methods=["GET", "HEAD"], include_in_schema=False)
+    app.add_api_route("/missions", missions, methods=["GET", "HEAD"], include_in_schema=False)
     app.add_api_route("/people", people, methods=["GET", "HEAD"], include_in_schema=False)
     app.add_api_route("/favicon.ico", icon, methods=["GET", "HEAD"], include_in_schema=False)
     app.mount("/static", _Files(directory=STATIC), name="static")

@@ -1,7 +1,7 @@
 /** The values of a mission's board by kind and id: as they are now, or as they were. */
 
 /** @import {Alert, Annotation, Evacuation, MapInfo, Mission, MissionEvent, Node} from "./types.js" */
-/** @import {Frontiers, Orders, Person, Robot, Tag, Trail, Victim} from "./types.js" */
+/** @import {Frontiers, Orders, Person, Photo, Robot, Tag, Trail, Victim} from "./types.js" */
 
 export class BoardState {
   /** @type {Mission | null} */
@@ -22,6 +22,8 @@ export class BoardState {
   victims = new Map();
   /** @type {Map<string, Annotation>} */
   annotations = new Map();
+  /** @type {Map<string, Photo>} */
+  photos = new Map();
   /** @type {Map<string, MissionEvent>} */
   events = new Map();
   /** Where each robot could go. @type {Map<string, Frontiers>} */
@@ -38,7 +40,7 @@ export class BoardState {
   keyed = {
     robot: this.robots, trail: this.trails, tag: this.tags, victim: this.victims, annotation: this.annotations,
     event: this.events, node: this.nodes, alert: this.alerts, person: this.people,
-    frontiers: this.frontiers, orders: this.orders,
+    frontiers: this.frontiers, orders: this.orders, photo: this.photos,
   };
 
   clear() {

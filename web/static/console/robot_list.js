@@ -86,7 +86,7 @@ function RobotCard({ robot, store, stops, isCompact, onSelect }) {
           ? html`<${HoldButton} label="STOP" name=${`Stop ${id}`} kind="stop" onFire=${() => stops.stop(id)} />`
           : html`<div class=${`stop-state stop-${stop}`} role="status">${STOP_WORDS[stop]}</div>`}
       </div>
-      ${isSelected && !store.past.board && html`<${RobotOrders} robot=${robot} store=${store} />`}
+      ${isSelected && html`<${RobotOrders} robot=${robot} store=${store} />`}
       ${robot.stopped && !store.past.board && html`
         <div class="card-foot">
           <span>${link === "live" ? "Stands still by order." : "Takes effect when it is heard again."}</span>

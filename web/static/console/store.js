@@ -7,6 +7,7 @@ import { Past } from "./past.js";
 /** @import {ConnectionState, Me, Mission, Robot} from "./types.js" */
 
 const PREFERENCES = "waymark.console";
+const ROLES = ["viewer", "responder", "operator", "commander"];
 const LATE_AFTER_S = 3;
 const LOST_AFTER_S = 10;
 
@@ -24,6 +25,7 @@ export const LAYERS = /** @type {const} */ ({
   plans: ["Plan of selected robot", true],
   victims: ["Victims", true],
   notes: ["Notes and hazards", true],
+  photos: ["Photos", true],
 });
 
 /** @typedef {{kind: "robot" | "victim" | "tag" | "note", id: string}} Selected */
@@ -49,6 +51,10 @@ export class Store {
     this.selected = null;
     /** @type {Map<number, {text: string, level: "warning" | "alarm"}>} */
     this.notices = new Map();
+    /** The photo that is open. @type {string | null} */
+    this.photo = null;
+    /** Photos that are being sent. */
+    this.uploads = 0;
     this.exploredM2 = 0;
     /** What the next click on the plan is for: whom it is about, and what is done with the place. */
     /** @type {{id: string, kind: string, then: (place: {x_m: number, y_m: number}) => void} | null} */
@@ -96,6 +102,7 @@ export class Store {
   get frontiers() { return this.board.frontiers; }
   get orders() { return this.board.orders; }
   get people() { return this.board.people; }
+  get photos() { return this.board.photos; }
   get links() { return this.board.links; }
   get map() { return this.board.map; }
 
@@ -136,6 +143,16 @@ export class Store {
   #put(key, value) {
     if (key === "best_map") this.best.take(value);
     else this.live.put(key, value);
+  }
+
+  /** Whether what is shown is read and cannot be changed: the past, and a mission that is over. */
+  get isOver() {
+    return this.past.board !== null || ["closed", "archived"].includes(this.live.mission?.state ?? "");
+  }
+
+  /** Whether whoever is logged in here has this role or one above; the server decides. @param {string} role */
+  may(role) {
+    return !this.me?.login || ROLES.indexOf(this.me.role) >= ROLES.indexOf(role);
   }
 
   /** Time on the server's clock, seconds since 1970. */
