@@ -12,6 +12,10 @@ const LOST_AFTER_S = 10;
 /** Layers of the plan: name on screen and whether shown at first. */
 export const LAYERS = /** @type {const} */ ({
   map: ["Building", true],
+  own: ["Selected robot's own map", false],
+  coverage: ["Coverage: near, cleared", false],
+  radio: ["Radio: where robots were heard", false],
+  memories: ["Ground as tags tell it", false],
   grid: ["Metre grid", true],
   reference: ["Grid reference", false],
   trails: ["Trails", true],
@@ -22,6 +26,7 @@ export const LAYERS = /** @type {const} */ ({
   frontiers: ["Edges of the unknown", true],
   plans: ["Plan of selected robot", true],
   victims: ["Victims", true],
+  responders: ["People at tags", true],
   notes: ["Notes and hazards", true],
 });
 
@@ -54,6 +59,8 @@ export class Store {
   orders = new Map();
   /** Who watches the mission. @type {Map<string, Person>} */
   people = new Map();
+  /** People who read tags: which one last. @type {Map<string, {name: string, tag_id: string, since_unix_s: number, unix_s: number}>} */
+  responders = new Map();
   /** Who is logged in here; null before that is known. @type {Me | null} */
   me = null;
   /** @type {[string, string][]} */
@@ -63,7 +70,7 @@ export class Store {
   /** Kind in a board key -> what has an id of that kind. @type {Record<string, Map<string, any>>} */
   keyed = {
     robot: this.robots, trail: this.trails, tag: this.tags, victim: this.victims, annotation: this.annotations,
-    event: this.events, node: this.nodes, alert: this.alerts, person: this.people,
+    event: this.events, node: this.nodes, alert: this.alerts, person: this.people, responder: this.responders,
     frontiers: this.frontiers, orders: this.orders,
   };
 
