@@ -15,6 +15,7 @@ from db.nodes import NodeStore
 from db.orders import OrderStore
 from db.people import PeopleStore
 from db.photos import PhotoStore
+from db.reports import ReportStore
 from db.tags import TagStore
 
 
@@ -33,6 +34,7 @@ class Store:
         self.findings = FindingStore(database)
         self.photos = PhotoStore(database)
         self.people = PeopleStore(database)
+        self.reports = ReportStore(database)
         self.history = HistoryStore(database)
 
     @classmethod

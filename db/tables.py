@@ -227,6 +227,22 @@ annotations = Table(
     _of_mission(),
 )
 
+reports = Table(
+    "reports",
+    metadata,
+    Column("mission_id", ID, primary_key=True),
+    Column("report_id", String(36), primary_key=True),
+    Column("kind", String(20), nullable=False),
+    Column("by", String(200), nullable=False),
+    Column("made_unix_s", Float, nullable=False),
+    Column("received_unix_s", Float, nullable=False),
+    Column("phone_unix_s", Float, nullable=False),
+    Column("offset_s", Float),
+    Column("body", JSON, nullable=False),
+    Column("outcome", Text, nullable=False),
+    _of_mission(),
+)
+
 orders = Table(
     "orders",
     metadata,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import os
 from collections.abc import Mapping
 from pathlib import Path
@@ -15,6 +16,7 @@ from starlette.staticfiles import NotModifiedResponse
 from starlette.types import Scope
 
 from web.proxy import Gate, ScenePorts, mount_proxy
+from web.shell import worker
 
 _HERE = Path(__file__).parent
 STATIC = _HERE / "static"
@@ -39,6 +41,8 @@ CONTENT_SECURITY_POLICY = "; ".join(
         "img-src 'self' data: blob:",
         "connect-src 'self'",
         "frame-src 'self'",
+        "manifest-src 'self'",
+        "worker-src 'self'",
         "base-uri 'none'",
         "form-action 'none'",
         "frame-ancestors 'self'",
@@ -112,11 +116,16 @@ def mount_web(
     async def people(request: Request) -> Response:
         return _page(request, STATIC / "people" / "index.html")
 
-    async def tag_home(request: Request) -> Response:
+    async def missions(request: Request) -> Response:
+        return _page(request, STATIC / "missions" / "index.html")
+
+    async def phone(request: Request) -> Response:
         return _page(request, STATIC / "phone" / "index.html")
 
-    async def tag(request: Request, tag_id: str) -> Response:
-        return _page(request, STATIC / "phone" / "index.html")
+    async def phone_worker(request: Request) -> Response:
+        vendor = {address: node_modules / name for address, name in VENDOR_FILES.items()}
+        script = await asyncio.to_thread(worker, STATIC, vendor)
+        return Response(script, media_type="text/javascript", headers=dict(SECURITY_HEADERS))
 
     async def icon(request: Request) -> Response:
         return _page(request, STATIC / "logo.svg")
@@ -125,8 +134,10 @@ def mount_web(
         app.add_api_route(address, console, methods=["GET", "HEAD"], include_in_schema=False)
     for address in ("/login", "/join"):
         app.add_api_route(address, door, methods=["GET", "HEAD"], include_in_schema=False)
-    app.add_api_route("/t/{tag_id}", tag, methods=["GET", "HEAD"], include_in_schema=False)
-    app.add_api_route("/t", tag_home, methods=["GET", "HEAD"], include_in_schema=False)
+    for address in ("/phone", "/t", "/t/{tag_id}"):
+        app.add_api_route(address, phone, methods=["GET", "HEAD"], include_in_schema=False)
+    app.add_api_route("/sw.js", phone_worker, methods=["GET", "HEAD"], include_in_schema=False)
+    app.add_api_route("/missions", missions, methods=["GET", "HEAD"], include_in_schema=False)
     app.add_api_route("/people", people, methods=["GET", "HEAD"], include_in_schema=False)
     app.add_api_route("/favicon.ico", icon, methods=["GET", "HEAD"], include_in_schema=False)
     app.mount("/static", _Files(directory=STATIC), name="static")

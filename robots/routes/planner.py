@@ -49,11 +49,11 @@ class RouteMap:
     ) -> None:
         self._ways = shortest_ways(ways)
         self._sds_m = sds_m or {}
+        self._all_hazards = tuple(hazards)
         self._next: dict[str, list[tuple[str, int]]] = defaultdict(list)
         self._hazards: dict[tuple[str, str], tuple[str, ...]] = {}
         for key, way in self._ways.items():
-            found = tuple(hazard.text for hazard in hazards if _is_near(way.points_m, hazard))
-            self._hazards[key] = found
+            self._hazards[key] = found = self.hazards_near(way.points_m)
             self._next[key[0]].append((key[1], centimetres(way.length_m) + _HAZARD_COST_CM * len(found)))
 
     @property
@@ -65,6 +65,10 @@ class RouteMap:
     def ways(self) -> list[Way]:
         """The ways, one for each pair of tags that are next to each other."""
         return [way for (a, b), way in self._ways.items() if a < b]
+
+    def hazards_near(self, points_m: Array) -> tuple[str, ...]:
+        """Return what a line of points (n, 2) passes."""
+        return tuple(hazard.text for hazard in self._all_hazards if _is_near(points_m, hazard))
 
     def neighbours(self, tag_id: str) -> list[Way]:
         """Return the ways from a tag to those next to it, the shortest first."""

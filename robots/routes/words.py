@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from itertools import pairwise
 from math import atan2, degrees
 
@@ -51,8 +52,12 @@ def leg_text(leg: Leg) -> str:
         run_m, before = run_m + step_m, bearing
     pieces[-1] = pieces[-1].format(metres(run_m))
     text = ", ".join(pieces) + f" to tag {leg.way.to_tag}"
-    warning = "".join(f" Take care: {hazard}." for hazard in leg.hazards)
-    return f"{text[0].upper()}{text[1:]}.{warning}"
+    return f"{text[0].upper()}{text[1:]}.{warning(leg.hazards)}"
+
+
+def warning(hazards: Iterable[str]) -> str:
+    """Return what to take care of, as sentences with a gap before each."""
+    return "".join(f" Take care: {hazard}." for hazard in hazards)
 
 
 def metres(distance_m: float) -> str:

@@ -41,6 +41,7 @@ from server.mission.progress import Progress
 from server.mission.recovery import Recovery
 from server.mission.relay import Relay
 from server.mission.replies import fresh_of, reply_to
+from server.mission.reports import Reports
 from server.mission.robot_alerts import RobotAlerts
 from server.mission.roster import Roster
 from server.mission.routes import Routes
@@ -78,6 +79,9 @@ class Mission:
         self.photos = Photos(store, mission_id, self.board, self.events)
         self.evacuation = Evacuation(store, mission_id, self.board, self.events)
         self.victims = Victims(store, mission_id, self.board, self.events, self.alerts)
+        self.reports = Reports(
+            store, mission_id, self.board, self.annotations, self.victims, self.alerts, self.evacuation
+        )
         self.memories = Memories(store, mission_id, bytes.fromhex(record.tag_key), self.events)
         self.nodes = Nodes(store, mission_id, self.board, self.alerts)
         self._tasks = Tasks(mission_id)
@@ -122,6 +126,7 @@ class Mission:
         await self.annotations.restore()
         await self.photos.restore()
         await self.victims.restore()
+        await self.reports.restore()
         await self.nodes.restore()
         await self.orders.restore()
         if self.roster.record.is_over and await self._endings.restore():

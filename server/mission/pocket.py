@@ -109,13 +109,14 @@ def pack_of(
         with_ends(victim, _OF_VICTIM) | {"sd_m": sd_of(victim)}
         for victim in kinds["victim"][: _MOST["victims"]]
     ]
-    notes = sorted(kinds["annotation"], key=lambda note: -note["changed_unix_s"])[: _MOST["notes"]]
+    said = kinds["annotation"]
+    newest = sorted(range(len(said)), key=lambda k: -float(said[k]["changed_unix_s"]))[: _MOST["notes"]]
     value = head | {
         "map": _plan(image),
         "tags": tags,
         "ways": _ways(roads, of),
         "victims": victims,
-        "notes": [with_ends(note, _OF_NOTE) for note in notes],
+        "notes": [with_ends(said[k], _OF_NOTE) for k in sorted(newest)],
         "left_out": {
             name: max(0, len(kinds[kind]) - _MOST[name])
             for name, kind in (("tags", "tag"), ("victims", "victim"), ("notes", "annotation"))

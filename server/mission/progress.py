@@ -37,7 +37,16 @@ class Progress:
         """Keep how the mission stands now, where that is news."""
         now = figures(self._board)
         found = (now["explored_m2"], now["tags"], now["victims"])
-        if found == self._last or (self._last is None and not any(found)):
+        try:
+            known = await self.all() if self._last is None else ()
+        except DatabaseError as error:
+            log.warning("progress could not be read", mission_id=self._mission_id, reason=str(error))
+            return
+        if known:
+            self._last = (known[-1].explored_m2, known[-1].tags, known[-1].victims)
+        if self._last is None and self._board.of_kind("robot"):
+            found = (0.0, 0, 0)  # the moment at which the first robot was heard
+        elif self._board.get("map") is None or found == self._last:  # after a restart the map comes late
             return
         mission = self._board.get("mission") or {}
         sample = ProgressRecord(time.time(), float(mission.get("clock_s", 0.0)), *found)

@@ -11,7 +11,7 @@ import numpy as np
 from robots.routes.planner import Hazard, Leg, NoRouteError, RouteMap
 from robots.routes.sight import is_clear
 from robots.routes.ways import Way, ways_along
-from robots.routes.words import bearing_deg, compass_point, metres
+from robots.routes.words import bearing_deg, compass_point, metres, warning
 from robots.team import TeamGrid
 from server.board import Board, Value
 from server.errors import ApiError, unknown
@@ -94,6 +94,7 @@ def _find(board: Board, roads: RouteMap, grid: TeamGrid | None, from_tag: str, t
     way = Way(last, to, np.array([places[last], target]))
     bearing = bearing_deg(way.points_m[0], way.points_m[1])
     text = f"From tag {last} go {metres(way.length_m)} {compass_point(bearing)}: there is {kind} {name}."
+    text += warning(roads.hazards_near(way.points_m))
     return Route(tuple(legs), target, way, text)
 
 

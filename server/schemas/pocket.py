@@ -82,5 +82,5 @@ class PocketOut(Wire):
         description="Numbers of two tags, the length in cm, and the points between, x and y of each in cm."
     )
     victims: list[PocketVictimOut]
-    notes: list[PocketNoteOut] = Field(description="The newest first.")
+    notes: list[PocketNoteOut]
     left_out: dict[str, Any] = Field(description="How many tags, victims and notes had no room.")

@@ -2,6 +2,7 @@
 
 import { age, fixed, timeOfDay } from "./format.js";
 import { acknowledge, alarming, ALERT_KINDS, alertsOf, endMayday, isOpen, readings, subjectOf } from "./node_sensors.js";
+import { Photos } from "./photos.js";
 import { TagMemory } from "./tag_memory.js";
 import { html } from "./vendor.js";
 
@@ -74,6 +75,7 @@ export function TagCard({ store }) {
           tag.sightings === 1 ? "once" : `${tag.sightings} times`} by ${tag.robots.join(", ")}.</p>`
         : html`<p>Heard by radio; where it is, is not known yet.</p>`}
       ${tag?.notice && html`<p class="warn">${tag.notice}</p>`}
+      <${Photos} store=${store} of=${{ tag_id: id }} />
       ${tag && html`<${TagMemory} key=${id} store=${store} tagId=${id} />`}
       ${node && html`
         <dl class="readings">${readings(node).map(([label, value]) =>

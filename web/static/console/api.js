@@ -43,7 +43,7 @@ export async function request(method, path, body) {
 export async function fetchChecked(address, options = {}) {
   let response;
   try {
-    response = await fetch(address, { ...options, signal: AbortSignal.timeout(TIMEOUT_MS) });
+    response = await fetch(address, { ...options, signal: options.signal ?? AbortSignal.timeout(TIMEOUT_MS) });
   } catch {
     throw new ApiError("unreachable", "The server does not answer.", 0);
   }

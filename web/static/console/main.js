@@ -9,6 +9,7 @@ import { HelpSheet, openHelp, pressed } from "./keys.js";
 import { closeMenus } from "./look_menu.js";
 import { toggleMeasure } from "./measure.js";
 import { isOpen } from "./node_sensors.js";
+import { PhotoViewer } from "./photos.js";
 import { Plan } from "./plan.js";
 import { RobotList } from "./robot_list.js";
 import { orderByKey } from "./robot_orders.js";
@@ -136,6 +137,7 @@ function renderPanels() {
   render(html`<${Veil} store=${store} onRetry=${() => stream?.retry()} />`, element("veil"));
   render(html`<${Tabs} />`, element("tabs"));
   render(html`<${Notices} />`, element("notices"));
+  render(store.photo && store.photos.has(store.photo) ? html`<${PhotoViewer} store=${store} />` : null, element("viewer"));
   render(html`<${HelpSheet} shortCuts=${SHORT_CUTS} />`, element("sheets"));
   if (state !== announced) {
     announced = state;

@@ -3,6 +3,7 @@
 import { robotStyle } from "./color.js";
 import { ellipse, percent } from "./format.js";
 import { alarming, ALERT_KINDS, alertByTag, isOpen } from "./node_sensors.js";
+import { openPhoto, placedPhotos } from "./photos.js";
 import { L } from "./vendor.js";
 import { NOTE_KINDS, placeOf } from "./notes.js";
 import { statusOf } from "./victim_status.js";
@@ -46,6 +47,9 @@ export class Marks {
     if (store.layers.sensors) for (const alert of alertByTag(store).values()) wanted.add(this.#alert(alert));
     if (store.layers.notes) {
       for (const [id, annotation] of store.annotations) wanted.add(this.#note(id, annotation));
+    }
+    if (store.layers.photos) {
+      for (const [key, group] of placedPhotos(store)) wanted.add(this.#photos(key, group));
     }
     for (const [key, mark] of this.marks) {
       if (wanted.has(key)) continue;
@@ -136,6 +140,22 @@ export class Marks {
     mark.parts.name.textContent = annotation.text || annotation.kind;
     mark.parts.glyph.textContent = NOTE_KINDS[annotation.kind]?.glyph ?? "i";
     mark.root.setAttribute("aria-label", `${annotation.kind}: ${annotation.text}`);
+    this.#moveTo(mark, [x_m, y_m, 0]);
+    return key;
+  }
+
+  /**
+   * @param {string} subject
+   * @param {{photos: import("./types.js").Photo[], x_m: number | null | undefined, y_m: number | null | undefined}} group
+   */
+  #photos(subject, { photos, x_m, y_m }) {
+    if (x_m == null || y_m == null) return null;
+    const key = `photo/${subject}`;
+    const mark = this.marks.get(key) ?? this.#add(key, "photo-mark", noteShape(), () =>
+      openPhoto(this.store, mark.root.dataset.photo ?? null));
+    mark.root.dataset.photo = photos[0].photo_id;
+    mark.parts.glyph.textContent = photos.length > 1 ? `▣ ${photos.length}` : "▣";
+    mark.root.setAttribute("aria-label", photos.length > 1 ? `${photos.length} photos` : `Photo: ${photos[0].text || subject}`);
     this.#moveTo(mark, [x_m, y_m, 0]);
     return key;
   }

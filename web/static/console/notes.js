@@ -3,6 +3,7 @@
 import { color } from "../theme.js";
 import { missionPath, request } from "./api.js";
 import { timeOfDay } from "./format.js";
+import { Photos } from "./photos.js";
 import { html } from "./vendor.js";
 
 /** @import {Annotation, Tag} from "./types.js" */
@@ -64,7 +65,7 @@ export function NoteTool({ store }) {
     if (store.picking?.kind === "note") store.picking = null;
     store.changed();
   };
-  return html`<button type="button" class="tool" aria-expanded=${draft !== null} disabled=${!store.mission}
+  return html`<button type="button" class="tool" aria-expanded=${draft !== null} disabled=${!store.mission || store.isOver}
       onClick=${open}>Note</button>
     ${draft && html`<${DraftForm} store=${store} draft=${draft} />`}`;
 }
@@ -118,7 +119,8 @@ export function NoteCard({ store }) {
       <button type="button" aria-label="Close" onClick=${() => store.select(null)}>×</button></header>
     ${note.text && html`<p>${note.text}</p>`}
     <p class="hint-line">By ${note.by} at ${timeOfDay(note.changed_unix_s)}${note.tag_id && `, at tag ${note.tag_id}`}.</p>
-    <button type="button" onClick=${remove}>Remove</button></section>`;
+    <${Photos} store=${store} of=${{ annotation_id: id }} />
+    ${!store.isOver && html`<button type="button" onClick=${remove}>Remove</button>`}</section>`;
 }
 
 /**

@@ -110,7 +110,7 @@ export function RobotOrders({ robot, store }) {
     aria-pressed=${store.picking?.id === id && store.picking.kind === kind}
     onClick=${() => pick(store, id, kind)}>${label}</button>`;
   return html`
-    <div class="robot-orders">
+    <fieldset class="robot-orders" disabled=${store.isOver}>
       <div class="order-buttons" role="group" aria-label=${`Orders to ${id}`}>
         ${button("return", "Return")}${holds(latest) ? button("resume", "Resume") : button("hold", "Hold")}
         ${picker("go_to", "Go to…")}${picker("explore_here", "Explore here…")}${button("drop_tag", "Drop tag")}
@@ -121,7 +121,7 @@ export function RobotOrders({ robot, store }) {
         percent(shareOf(robot, store))} of what the team has explored.</p>
       ${methods && html`<${Strategy} robot=${robot} store=${store} known=${methods} />`}
       ${latest && html`<${Latest} order=${latest} />`}
-    </div>`;
+    </fieldset>`;
 }
 
 /** @param {{robot: Robot, store: Store, known: Methods}} props */

@@ -3,9 +3,10 @@
 import { BestMap } from "./best_map.js";
 
 /** @import {Alert, Annotation, ConnectionState, Evacuation, MapInfo, Mission, MissionEvent, Node} from "./types.js" */
-/** @import {Frontiers, Me, Orders, Person, Robot, Tag, Trail, Victim} from "./types.js" */
+/** @import {Frontiers, Me, Orders, Person, Photo, Robot, Tag, Trail, Victim} from "./types.js" */
 
 const PREFERENCES = "waymark.console";
+const ROLES = ["viewer", "responder", "operator", "commander"];
 const LATE_AFTER_S = 3;
 const LOST_AFTER_S = 10;
 
@@ -28,6 +29,7 @@ export const LAYERS = /** @type {const} */ ({
   victims: ["Victims", true],
   responders: ["People at tags", true],
   notes: ["Notes and hazards", true],
+  photos: ["Photos", true],
 });
 
 /** @typedef {{kind: "robot" | "victim" | "tag" | "note", id: string}} Selected */
@@ -51,6 +53,8 @@ export class Store {
   victims = new Map();
   /** @type {Map<string, Annotation>} */
   annotations = new Map();
+  /** @type {Map<string, Photo>} */
+  photos = new Map();
   /** @type {Map<string, MissionEvent>} */
   events = new Map();
   /** Where each robot could go. @type {Map<string, Frontiers>} */
@@ -71,7 +75,7 @@ export class Store {
   keyed = {
     robot: this.robots, trail: this.trails, tag: this.tags, victim: this.victims, annotation: this.annotations,
     event: this.events, node: this.nodes, alert: this.alerts, person: this.people, responder: this.responders,
-    frontiers: this.frontiers, orders: this.orders,
+    frontiers: this.frontiers, orders: this.orders, photo: this.photos,
   };
 
   constructor() {
@@ -88,6 +92,10 @@ export class Store {
     this.selected = null;
     /** @type {Map<number, {text: string, level: "warning" | "alarm"}>} */
     this.notices = new Map();
+    /** The photo that is open. @type {string | null} */
+    this.photo = null;
+    /** Photos that are being sent. */
+    this.uploads = 0;
     this.exploredM2 = 0;
     /** What the next click on the plan is for: whom it is about, and what is done with the place. */
     /** @type {{id: string, kind: string, then: (place: {x_m: number, y_m: number}) => void} | null} */
@@ -166,6 +174,16 @@ export class Store {
     else if (kind === "links") this.links = value?.pairs ?? [];
     else if (kind === "map") this.map = value;
     else if (kind === "best_map") this.best.take(value);
+  }
+
+  /** Whether the mission is read and no longer changed. */
+  get isOver() {
+    return this.mission !== null && ["closed", "archived"].includes(this.mission.state);
+  }
+
+  /** Whether whoever is logged in here has this role or one above; the server decides. @param {string} role */
+  may(role) {
+    return !this.me?.login || ROLES.indexOf(this.me.role) >= ROLES.indexOf(role);
   }
 
   /** Time on the server's clock, seconds since 1970. */

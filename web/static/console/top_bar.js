@@ -4,6 +4,7 @@ import { Account } from "./account.js";
 import { missionClock, timeOfDay } from "./format.js";
 import { EvacuateButton, EvacuationBanner } from "./evacuation.js";
 import { HoldButton } from "./hold_button.js";
+import { MissionBanner, MissionMenu } from "./mission_state.js";
 import { isOpen } from "./node_sensors.js";
 import { LookMenu } from "./look_menu.js";
 import { ResumeButton } from "./robot_list.js";
@@ -44,6 +45,7 @@ export function TopBar({ store, stops, onMission, onView }) {
           html`<option value=${mission_id} selected=${mission_id === store.missionId}>${name || mission_id}</option>`)}
       </select>
     </label>
+    <${MissionMenu} store=${store} />
     <span class=${`connection connection-${state}`} title=${store.connection.reason || "The live stream of the mission"}>
       <i class="dot" aria-hidden="true"></i>${CONNECTIONS[state]}</span>
     <dl class="figures-bar">
@@ -91,7 +93,7 @@ function StopAll({ store, stops }) {
 
 /** What stands across the page under the bar. @param {{store: Store, stops: StopControl}} props */
 export function Banners({ store, stops }) {
-  return html`<${EvacuationBanner} store=${store} /><${StopBanner} store=${store} stops=${stops} />`;
+  return html`<${EvacuationBanner} store=${store} /><${MissionBanner} store=${store} /><${StopBanner} store=${store} stops=${stops} />`;
 }
 
 /** A strip while every robot is held by an order. @param {{store: Store, stops: StopControl}} props */

@@ -2,7 +2,10 @@
  * The values of the board, as they come over the wire. Types only.
  *
  * @typedef {{mission_id: string, name: string, state: string, created_unix_s: number, clock_s?: number | null,
- *   stopped_all?: boolean}} Mission
+ *   stopped_all?: boolean, state_by?: string, state_unix_s?: number, ran_s?: number}} Mission
+ * @typedef {{photo_id: string, width: number, height: number, text: string, victim_id: string | null,
+ *   annotation_id: string | null, tag_id: string | null, x_m: number | null, y_m: number | null, by: string,
+ *   taken_unix_s: number | null, created_unix_s: number, address: string, thumbnail: string}} Photo
  * @typedef {{robot_id: string, x_m: number, y_m: number, yaw_rad: number, covariance: number[], stamp_s: number,
  *   heard_unix_s: number | null, activity: string, reason: string, battery: number | null, tags_left: number | null,
  *   agent: string, slam?: string, methods?: Record<string, string>, stopped: boolean, link: "live" | "late" | "lost", slipping: boolean, located: boolean,

@@ -1,10 +1,11 @@
 /** Saying which tag one is at, where the phone was not told by touch: by camera, or by the number on the label. */
 
 import { html } from "../console/vendor.js";
-import { goToScanned, goToTyped, openTag } from "./meant.js";
+import { goToScanned, goToTyped } from "./meant.js";
 import { Scan } from "./scan.js";
 import { changed, state } from "./state.js";
 import { say } from "./texts.js";
+import { touch } from "./touch.js";
 
 export function Entry() {
   /** @param {SubmitEvent} event */
@@ -24,9 +25,9 @@ export function Doubt() {
   if (foreign) {
     const { host, tagId: tag } = foreign;
     return html`<div role="alert"><p class="trouble">${say("label_foreign", { host, tag })}</p>
-      <div class="row"><button type="button" onClick=${() => openTag(tag)}>${say("open_anyway", { tag })}</button>
+      <div class="row"><button type="button" onClick=${() => touch(tag)}>${say("open_anyway", { tag })}</button>
       <button type="button" onClick=${() => changed({ foreign: null })}>${say("not_ours")}</button></div></div>`;
   }
   return choices.length > 0 && html`<div role="alert"><p>${say("which_of_them")}</p><div class="row">${choices.map((tagId) =>
-    html`<button type="button" key=${tagId} onClick=${() => openTag(tagId)}>${tagId}</button>`)}</div></div>`;
+    html`<button type="button" key=${tagId} onClick=${() => touch(tagId)}>${tagId}</button>`)}</div></div>`;
 }

@@ -1,14 +1,11 @@
 /** Which tag is meant by what was touched, scanned or typed; and going there. */
 
-import { ApiError, request } from "../console/api.js";
-import { wordsOf } from "./lead.js";
+import { missions } from "./pockets.js";
+import { read } from "./reach.js";
+import { understood } from "./short_id.js";
 import { changed, state } from "./state.js";
 import { say } from "./texts.js";
-
-/** @param {string} tagId */
-export function openTag(tagId) {
-  location.assign(`/t/${encodeURIComponent(tagId)}`);
-}
+import { touch } from "./touch.js";
 
 /**
  * A tag's link, as a chip or a label has it.
@@ -29,7 +26,7 @@ export function tagOfLink(text) {
 export function followLink(text) {
   const link = tagOfLink(text);
   if (link === null) return false;
-  if (link.host === location.host) openTag(link.tagId);
+  if (link.host === location.host) touch(link.tagId);
   else ask({ foreign: link });
   return true;
 }
@@ -40,18 +37,15 @@ function ask(change) {
   scrollTo(0, 0);
 }
 
-/** Go to the tag whose number somebody typed. @param {string} typed */
+/** Go to the tag whose number somebody typed: one that the phone knows, else one that the server knows. @param {string} typed */
 export async function goToTyped(typed) {
   if (followLink(typed)) return;
-  try {
-    const { tag_ids: found, trouble } = await request("GET", `/where?${new URLSearchParams({ typed })}`);
-    if (found.length === 1) openTag(found[0]);
-    else if (found.length > 1) ask({ choices: found });
-    else ask({ trouble: say(trouble === "unknown" ? "number_unknown" : "number_mistyped", { typed }) });
-  } catch (error) {
-    if (error instanceof ApiError && error.status === 0) openTag(typed.trim());
-    else ask({ trouble: wordsOf(error) });
-  }
+  const here = understood(typed, missions().flatMap(({ tag_ids }) => tag_ids));
+  const there = here.tagIds.length ? null : await read(`/where?${new URLSearchParams({ typed })}`);
+  const { tag_ids: found, trouble } = there ?? { tag_ids: here.tagIds, trouble: here.trouble };
+  if (found.length === 1) touch(found[0]);
+  else if (found.length > 1) ask({ choices: found });
+  else ask({ trouble: say(trouble === "unknown" ? "number_unknown" : "number_mistyped", { typed }) });
 }
 
 /** @param {string} text what a QR code says */

@@ -1,14 +1,21 @@
-/** The responder's phone at a tag: where am I, who is near, the way there tag by tag, and leaving word. */
+/** The responder's phone at a tag: where am I, who is near, the way there tag by tag, and leaving word; with or without signal. */
 
-import { request } from "../console/api.js";
 import { html, render } from "../console/vendor.js";
 import { Alarm, lookForOrders, Mayday } from "./alarm.js";
 import { Doubt, Entry } from "./entry.js";
-import { far, Guide } from "./guide.js";
-import { lead, load, target } from "./lead.js";
+import { Guide } from "./guide.js";
+import { openOutbox } from "./outbox.js";
+import { openPockets } from "./pockets.js";
+import { askWho, onReach } from "./reach.js";
 import { Word } from "./report.js";
+import { keepHere } from "./shell.js";
+import { Standing } from "./standing.js";
 import { changed, onChange, state } from "./state.js";
 import { language, say } from "./texts.js";
+import { answer, keepFresh, lead, target, touch } from "./touch.js";
+import { metres } from "./words.js";
+
+const AGES_MS = 10_000;
 
 function Page() {
   const { where } = state;
@@ -19,7 +26,7 @@ function Page() {
     ${trouble}
     ${state.said && html`<p role="status">${state.said}</p>`}
     ${goal && state.route && html`<${Guide} route=${state.route} to=${goal.to} />`}
-    <p class="where">${where.text}${where.sd_m > 1 ? ` ${say("place_unsure", { far: far(where.sd_m) })}` : ""}</p>
+    <p class="where">${where.text}${where.sd_m > 1 ? ` ${say("place_unsure", { far: metres(where.sd_m) })}` : ""}</p>
     ${where.notice && html`<p class="trouble">${where.notice}</p>`}
     ${where.victims.length > 0 && html`<h2>${say("lead_me_to")}</h2><ul>${where.victims.map(NearVictim)}</ul>`}
     <${Word} />
@@ -27,21 +34,28 @@ function Page() {
     <p class="soft">${where.mission_name}</p>`;
 }
 
-/** @param {import("./state.js").NearVictim} victim */
+/** @param {import("./types.js").NearVictim} victim */
 function NearVictim({ victim_id, status, reachable, distance_m }) {
   return html`<li key=${victim_id}><button type="button" disabled=${!reachable} onClick=${() => lead(`victim:${victim_id}`)}>
     <span>${say("victim", { victim: victim_id })}<span class="soft"> ${reachable ? status : say("no_way_known")}</span></span>
-    <span class="far">${far(distance_m)}</span></button></li>`;
+    <span class="far">${metres(distance_m)}</span></button></li>`;
 }
 
-const [alarm, page, foot] = ["alarm", "page", "foot"].map((id) => /** @type {HTMLElement} */ (document.getElementById(id)));
+const [alarm, standing, page, foot] = ["alarm", "standing", "page", "foot"].map((id) => /** @type {HTMLElement} */ (document.getElementById(id)));
 
-onChange(() => {
+function draw() {
   document.title = `${state.tagId ? say("tag", { tag: state.tagId }) : say("which_tag")} · Waymark`;
   render(html`<${Alarm} />`, alarm);
+  render(html`<${Standing} />`, standing);
   render(html`<${Page} />`, page);
   render(html`<${Mayday} />`, foot);
-});
+}
+
+/** The tag and mission that the page's address names. */
+function here() {
+  const [, first, tag] = location.pathname.split("/");
+  return /** @type {const} */ ([first === "t" ? decodeURIComponent(tag ?? "") : "", new URLSearchParams(location.search).get("mission")]);
+}
 
 addEventListener("deviceorientationabsolute", (event) => {
   const { alpha } = /** @type {DeviceOrientationEvent} */ (event);
@@ -49,10 +63,20 @@ addEventListener("deviceorientationabsolute", (event) => {
   state.heading = (360 - alpha) % 360;
   if (state.route) changed();
 });
+addEventListener("popstate", () => touch(...here(), true));
 
 document.documentElement.lang = language();
 page.textContent = "";
+onChange(draw);
+onReach(changed);
+await openPockets();
+const [tagId, mission] = here();
+if (tagId) touch(tagId, mission, true);
+else answer();
 changed();
-load();
+askWho();
+openOutbox();
+keepFresh();
 lookForOrders();
-request("GET", "/session").then((me) => changed({ me }), () => {});
+setInterval(changed, AGES_MS); // ages go on
+keepHere();

@@ -21,16 +21,21 @@ export class Roads {
     order.forEach((k, rank) => (this.ranks[k] = rank));
     /** @type {Edge[][]} */
     this.next = pocket.tags.map(() => []);
-    const hazards = hazardsOf(notes);
+    this.hazards = hazardsOf(notes);
     for (const way of pocket.ways) {
       const [a, b, cm, points] = way;
-      const found = hazards.filter((hazard) => isNear(points, hazard.corners)).map(({ text }) => text);
+      const found = this.hazardsNear(points);
       const cost = cm + HAZARD_COST_CM * found.length;
       this.next[a].push({ way, points, to: b, cost, hazards: found });
       this.next[b].push({ way, points: reversed(points), to: a, cost, hazards: found });
     }
     /** @type {Tree | null} */
     this.tree = null;
+  }
+
+  /** What a line passes. @param {number[]} points x, y, x, y, ... in cm */
+  hazardsNear(points) {
+    return this.hazards.filter(({ corners }) => isNear(points, corners)).map(({ text }) => text);
   }
 
   /** The shortest ways from a tag to all others. @param {number} from @returns {Tree} */

@@ -1,22 +1,21 @@
 /** What the phone shows, in one place, and who draws it again when it changes. */
 
-/** @typedef {{victim_id: string, status: string, distance_m: number, reachable: boolean}} NearVictim */
-/** @typedef {{mission_id: string, mission_name: string, tag_id: string, sd_m: number, notice: string, text: string,
- *   victims: NearVictim[]}} Where */
-/** @typedef {{distance_m: number, bearing_deg: number, text: string, to_tag?: string, uncertain?: boolean}} Step */
-/** @typedef {{distance_m: number, legs: Step[], last: Step | null}} Route */
-/** @typedef {{ordered: boolean, by: string, acknowledged: {name: string}[]}} Evacuation */
+/** @import {Roads} from "./roads.js" */
+/** @import {Evacuation, Pocket, Route, Where} from "./types.js" */
 
 export const state = {
-  tagId: decodeURIComponent(location.pathname.split("/")[2] ?? ""),
+  /** The tag that was read last. */ tagId: "",
+  /** The tag before it, of the same mission. */ before: "",
   /** @type {Where | null} */ where: null,
   /** @type {Route | null} */ route: null,
+  /** @type {Pocket | null} */ pocket: null,
+  /** @type {Roads | null} */ roads: null,
+  /** When the server said so, by its own clock. @type {number | null} */ as_of_s: null,
   trouble: "",
-  /** @type {"" | "word"} */ form: "",
+  /** @type {"" | "word" | "victim"} */ form: "",
   said: "",
   /** Compass heading of the phone, degrees from north; null where it tells none. @type {number | null} */ heading: null,
   /** @type {Evacuation | null} */ evacuation: null,
-  /** @type {{name: string} | null} */ me: null,
   called: false,
   scanning: false,
   /** A tag's link of another server that was touched or scanned. @type {{tagId: string, host: string} | null} */ foreign: null,
@@ -36,3 +35,6 @@ export function changed(change = {}) {
   Object.assign(state, change);
   for (const draw of drawers) draw();
 }
+
+/** The mission this phone is in: that of the tag read last. */
+export const missionId = () => state.where?.mission_id ?? state.pocket?.mission_id ?? "";

@@ -43,7 +43,7 @@ export function routeTo(pocket, roads, fromTag, to) {
     from = edge.to;
     return leg;
   });
-  const last = target.isTag ? null : lastOf(roads.tags[from], target.place, target.goal);
+  const last = target.isTag ? null : lastOf(roads, from, target.place, target.goal);
   return { legs, last, distance_m: [...legs, ...(last ? [last] : [])].reduce((sum, step) => sum + step.distance_m, 0) };
 }
 

@@ -55,9 +55,11 @@ export function legOf(roads, from, edge) {
 
 /** @param {[number, number][]} points @param {string} toTag @param {boolean} uncertain @param {string[]} hazards */
 function legText(points, toTag, uncertain, hazards) {
-  const text = say("leg", { pieces: capital(piecesOf(points, uncertain).join(", ")), tag: toTag });
-  return [text, ...hazards.map((hazard) => say("take_care", { hazard }))].join(" ");
+  return withCare(say("leg", { pieces: capital(piecesOf(points, uncertain).join(", ")), tag: toTag }), hazards);
 }
+
+/** @param {string} text @param {string[]} hazards */
+const withCare = (text, hazards) => [text, ...hazards.map((hazard) => say("take_care", { hazard }))].join(" ");
 
 /** @param {[number, number][]} points @param {boolean} uncertain */
 function piecesOf(points, uncertain) {
@@ -78,13 +80,15 @@ function piecesOf(points, uncertain) {
   return runs.map(({ key, way, run_m }) => say(key, { way, far: uncertain ? say("about", { far: metres(run_m) }) : metres(run_m) }));
 }
 
-/** The last piece, from the last tag to what is looked for. @param {import("./types.js").PocketTag} tag @param {[number, number]} place @param {string} goal @returns {Step} */
-export function lastOf(tag, place, goal) {
+/** The last piece, from the last tag to what is looked for. @param {Roads} roads @param {number} from @param {[number, number]} place @param {string} goal @returns {Step} */
+export function lastOf(roads, from, place, goal) {
+  const tag = roads.tags[from];
   const [dx, dy] = [place[0] - tag.x_m, place[1] - tag.y_m];
   const [distance_m, bearing_deg] = [Math.hypot(dx, dy), bearing(dx, dy)];
-  const text = say("last_leg", { tag: tag.tag_id, far: metres(distance_m), way: compassPoint(bearing_deg), goal });
+  const hazards = roads.hazardsNear([tag.x_m, tag.y_m, ...place].map((number) => Math.round(100 * number)));
+  const text = withCare(say("last_leg", { tag: tag.tag_id, far: metres(distance_m), way: compassPoint(bearing_deg), goal }), hazards);
   const points_m = /** @type {[number, number][]} */ ([[tag.x_m, tag.y_m], place]);
-  return { from_tag: tag.tag_id, to_tag: null, distance_m, bearing_deg, text, uncertain: false, hazards: [], points_m };
+  return { from_tag: tag.tag_id, to_tag: null, distance_m, bearing_deg, text, uncertain: false, hazards, points_m };
 }
 
 /** @param {number[]} points cm @returns {[number, number][]} */
