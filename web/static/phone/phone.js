@@ -11,16 +11,18 @@ import { Word } from "./report.js";
 import { keepHere } from "./shell.js";
 import { Standing } from "./standing.js";
 import { changed, onChange, state } from "./state.js";
-import { language, say } from "./texts.js";
+import { language, LANGUAGES, say, speak } from "./texts.js";
 import { answer, keepFresh, lead, target, touch } from "./touch.js";
 import { metres } from "./words.js";
+
+/** @typedef {import("./texts.js").Key} Key */
 
 const AGES_MS = 10_000;
 
 function Page() {
   const { where } = state;
   const trouble = html`${state.trouble && html`<p class="trouble" role="alert">${state.trouble}</p>`}<${Doubt} />`;
-  if (!where) return html`<h1>${say("which_tag")}</h1>${trouble}<${Entry} />`;
+  if (!where) return html`<h1>${say("which_tag")}</h1>${trouble}<${Entry} /><${Languages} />`;
   const goal = target();
   return html`<h1>${say("tag", { tag: where.tag_id })}</h1>
     ${trouble}
@@ -31,13 +33,20 @@ function Page() {
     ${where.victims.length > 0 && html`<h2>${say("lead_me_to")}</h2><ul>${where.victims.map(NearVictim)}</ul>`}
     <${Word} />
     <h2>${say("at_another_tag")}</h2><${Entry} />
-    <p class="soft">${where.mission_name}</p>`;
+    <p class="soft">${where.mission_name}</p><${Languages} />`;
+}
+
+/** Speaking another language. */
+function Languages() {
+  const others = Object.entries(LANGUAGES).filter(([name]) => name !== language());
+  return html`${others.map(([name, { name: own }]) => html`<button key=${name} type="button" lang=${name}
+    onClick=${() => { speak(name); answer(); changed(); }}>${own}</button>`)}`;
 }
 
 /** @param {import("./types.js").NearVictim} victim */
 function NearVictim({ victim_id, status, reachable, distance_m }) {
   return html`<li key=${victim_id}><button type="button" disabled=${!reachable} onClick=${() => lead(`victim:${victim_id}`)}>
-    <span>${say("victim", { victim: victim_id })}<span class="soft"> ${reachable ? status : say("no_way_known")}</span></span>
+    <span>${say("victim", { victim: victim_id })}<span class="soft"> ${say(reachable ? /** @type {Key} */ (`status_${status}`) : "no_way_known")}</span></span>
     <span class="far">${metres(distance_m)}</span></button></li>`;
 }
 

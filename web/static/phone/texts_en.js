@@ -39,6 +39,7 @@ export const EN = {
   lead_me_to: "Lead me to",
   victim: "Victim {victim}",
   no_way_known: "no way known",
+  status_suspected: "suspected", status_confirmed: "confirmed", status_reached: "reached", status_extricated: "extricated", status_dismissed: "dismissed",
   metres: "{n} m",
   about: "about {far}",
   north: "north", north_east: "north-east", east: "east", south_east: "south-east",

@@ -5,7 +5,7 @@ import { keptOf, missionOf, missions, open, refresh, refreshAll } from "./pocket
 import { reach, read, remember } from "./reach.js";
 import { Roads } from "./roads.js";
 import { changed, state } from "./state.js";
-import { say } from "./texts.js";
+import { language, say } from "./texts.js";
 import { routeTo, whereIs } from "./where.js";
 
 /** @import {Pocket, PocketNote} from "./types.js" */
@@ -105,8 +105,8 @@ function notesWith(pocket) {
 
 /** The phone does not know this tag: the server may. */
 async function askServer() {
-  const query = wanted ? `?mission=${encodeURIComponent(wanted)}` : "";
-  const found = await read(`/where/${encodeURIComponent(state.tagId)}${query}`);
+  const query = new URLSearchParams({ language: language(), ...(wanted ? { mission: wanted } : {}) });
+  const found = await read(`/where/${encodeURIComponent(state.tagId)}?${query}`);
   if (found && found.tag_id === state.tagId) {
     changed({ where: found, as_of_s: null });
     await refresh(found.mission_id);
