@@ -71,7 +71,6 @@ async def get_where(
     if not able:
         raise ApiError(404, "unknown_tag", f"No mission here knows a tag {tag_id!r}; check its number.")
     latest = max(able, key=lambda m: (m.roster.record.state == "running", m.roster.record.created_unix_s))
-    latest.presence.at_tag(by, tag_id)
     found = whereabouts(latest.board, latest.routes, latest.shared_map.grid, tag_id, language)
     return WhereOut(
         **found

@@ -31,16 +31,6 @@ class Presence:
         finally:
             self._count(actor, -1)
 
-    def at_tag(self, actor: Actor, tag_id: str) -> None:
-        """Show at which tag a person's phone was last, as ``responder/NAME``, from when on and until when."""
-        if actor.is_robot:
-            return
-        now = time.time()
-        before = self._board.get(f"responder/{actor.name}")
-        since = before["since_unix_s"] if before and before["tag_id"] == tag_id else now
-        value = {"name": actor.name, "tag_id": tag_id, "since_unix_s": since, "unix_s": now}
-        self._board.publish({f"responder/{actor.name}": value})
-
     def _count(self, actor: Actor, more: int) -> None:
         name = actor.name
         self._pages[name] += more

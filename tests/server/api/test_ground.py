@@ -41,10 +41,3 @@ def test_before_the_first_scan_there_is_none(line):
     assert line.refused("GET", "/coverage") == (404, "no_map", None)
     assert line.refused("GET", "/robots/r1/map") == (404, "no_map", None)
     assert line.get("/memories")["tags"] == []
-
-
-def test_who_reads_a_tag_is_shown_there(driven, control):
-    tag = driven.get("/tags")["tags"][0]["tag_id"]
-    with driven.stream() as stream:
-        assert control.call("GET", f"/where/{tag}?mission=driven").status_code == 200
-        stream.until(lambda s: s.state.get("responder/operator", {}).get("tag_id") == tag)

@@ -16,11 +16,13 @@ export class Building {
    * @param {{of: () => MapInfo | null, isShown: () => boolean, layer?: string, onFree?: (free_m2: number) => void,
    *   paint?: (pixels: Uint8ClampedArray, palette: number[][]) => void}} source which map, whether it is the one that
    *   is looked at, the layer it is if not the building itself, who wants to know how much floor is in it, and what colours it otherwise than as a building
+   * @param {number} [pause_ms] shortest time between two pictures
    */
-  constructor(map, store, source) {
+  constructor(map, store, source, pause_ms = SHORTEST_PAUSE_MS) {
     this.map = map;
     this.store = store;
     this.source = source;
+    this.pause_ms = pause_ms;
     this.canvas = document.createElement("canvas");
     this.canvas.className = "leaflet-image-layer building";
     /** @type {any} */
@@ -42,7 +44,7 @@ export class Building {
     const address = `${info.png}#${info.version} ${shownTheme()}`;
     if (this.loading || address === this.shownAddress) return;
     this.loading = true;
-    const pause_ms = Math.max(0, this.loadedAt + SHORTEST_PAUSE_MS - Date.now());
+    const pause_ms = Math.max(0, this.loadedAt + this.pause_ms - Date.now());
     setTimeout(() => this.#load(info, address), pause_ms);
   }
 

@@ -52,7 +52,7 @@ export class GroundLayers {
   constructor(map, store) {
     this.store = store;
     const wanted = (/** @type {string} */ layer, /** @type {string} */ path) => () =>
-      (store.layers[layer] && store.mission && !store.best.isShown ? `${missionPath(store.missionId ?? "")}${path}` : null);
+      (store.layers[layer] && store.mission && !store.best.isShown && !store.past.board ? `${missionPath(store.missionId ?? "")}${path}` : null);
     const robot = () => (store.selected?.kind === "robot" ? store.selected.id : null);
     /** @type {Asked<Coverage>} */
     this.coverage = new Asked(store, wanted("coverage", "/coverage"));
