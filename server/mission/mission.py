@@ -28,6 +28,7 @@ from server.mission.doubts import Doubts
 from server.mission.endings import Endings
 from server.mission.evacuation import Evacuation
 from server.mission.events import Events
+from server.mission.georeferences import Georeferences
 from server.mission.lifecycle import Lifecycle
 from server.mission.links import Links
 from server.mission.memories import Memories
@@ -76,6 +77,7 @@ class Mission:
         self.annotations = Annotations(store, mission_id, self.board)
         self.alerts = Alerts(store, mission_id, self.board, self.events)
         self.photos = Photos(store, mission_id, self.board, self.events)
+        self.georeferences = Georeferences(store, mission_id, self.board, self.events)
         self.evacuation = Evacuation(store, mission_id, self.board, self.events)
         self.victims = Victims(store, mission_id, self.board, self.events, self.alerts)
         self.reports = Reports(
@@ -123,6 +125,7 @@ class Mission:
         await self.evacuation.restore()
         await self.annotations.restore()
         await self.photos.restore()
+        await self.georeferences.restore()
         await self.victims.restore()
         await self.reports.restore()
         await self.nodes.restore()

@@ -15,11 +15,13 @@ export class Building {
    * @param {Store} store
    * @param {{of: () => MapInfo | null, isShown: () => boolean, onFree: (free_m2: number) => void}} source which map,
    *   whether it is the one that is looked at, and who wants to know how much floor is in it
+   * @param {number} [pause_ms] shortest time between two pictures
    */
-  constructor(map, store, source) {
+  constructor(map, store, source, pause_ms = SHORTEST_PAUSE_MS) {
     this.map = map;
     this.store = store;
     this.source = source;
+    this.pause_ms = pause_ms;
     this.canvas = document.createElement("canvas");
     this.canvas.className = "leaflet-image-layer building";
     /** @type {any} */
@@ -42,7 +44,7 @@ export class Building {
     const address = `${info.png}#${info.version} ${shownTheme()}`;
     if (this.loading || address === this.shownAddress) return;
     this.loading = true;
-    const pause_ms = Math.max(0, this.loadedAt + SHORTEST_PAUSE_MS - Date.now());
+    const pause_ms = Math.max(0, this.loadedAt + this.pause_ms - Date.now());
     setTimeout(() => this.#load(info, address), pause_ms);
   }
 

@@ -54,10 +54,15 @@ export class Plan {
     this.ink = canvasLayer("ink", drawInk(store)).addTo(this.map);
     this.ends = canvasLayer("ink", drawEnds(store)).addTo(this.map);
     this.building = new Building(this.map, store, {
-      of: () => store.map,
-      isShown: () => !store.best.isShown,
+      of: () => store.live.map,
+      isShown: () => !store.best.isShown && !store.past.board,
       onFree: (free_m2) => (store.exploredM2 = free_m2),
     });
+    this.past = new Building(this.map, store, {
+      of: () => store.past.board?.map ?? null,
+      isShown: () => store.past.board !== null,
+      onFree: () => {},
+    }, 0);
     this.best = new Building(this.map, store, {
       of: () => store.best.content?.map ?? null,
       isShown: () => store.best.isShown,
@@ -90,6 +95,7 @@ export class Plan {
     this.map.getContainer().classList.toggle("picking", this.isAsking());
     this.building.update();
     this.best.update();
+    this.past.update();
     this.marks.update();
     this.ground.refresh();
     this.ink.refresh();
@@ -168,7 +174,8 @@ export class Plan {
   }
 
   #fit() {
-    const { map: info, robots, victims } = this.store.shown;
+    // In the past too the whole building as it is known by now: what is looked at stays where it is.
+    const { map: info, robots, victims } = this.store.past.board ? this.store.live : this.store.shown;
     const bounds = L.latLngBounds([]);
     if (info) {
       const [x_m, y_m] = info.origin_m;
