@@ -101,7 +101,7 @@ def test_who_starts_without_signal_is_led_to_the_victim(explored, seed):
 
 
 def test_the_commander_sees_at_which_tag_a_simulated_responder_is(control, explored, wait_until):
-    simulation, pocket = explored
+    simulation, _ = explored
     line, stop = control.line("walked"), Event()
     reachable = {
         v["victim_id"] for v in line.control.call("GET", "/where/BASE?mission=walked").json()["victims"]
