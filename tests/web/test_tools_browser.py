@@ -79,6 +79,19 @@ def test_the_plan_is_searched_measured_and_told_of(home: str, page: Page, robot_
     page.keyboard.press("Escape")
     expect(told).to_have_count(0)
 
+    # layers of the ground: asked for when wanted, told what their colours mean, remembered
+    page.get_by_role("button", name="Layers").click()
+    for layer in ("Coverage", "Radio", "Ground as tags", "Selected robot's own map"):
+        page.get_by_label(layer).check()
+    key = page.get_by_label("What the colours of the ground mean")
+    expect(key).to_contain_text(re.compile(r"cleared of victims, [1-9]\d* m²"), timeout=SOON_MS)
+    expect(page.locator(".leaflet-layers-pane canvas.building")).to_be_attached(timeout=SOON_MS)
+    page.keyboard.press("Escape")
+    page.locator(".robot-card .card-body").click()
+    expect(key).to_contain_text("as r1 alone has it", timeout=SOON_MS)
+    expect(page.locator(".leaflet-layers-pane canvas.building")).to_have_count(2, timeout=SOON_MS)
+    page.locator(".robot-card .card-body").click()
+
     # keys: a sheet tells them, numbers select robots, a letter orders the selected one
     page.keyboard.press("?")
     expect(page.get_by_role("dialog")).to_contain_text("The selected robot: return")
@@ -88,7 +101,8 @@ def test_the_plan_is_searched_measured_and_told_of(home: str, page: Page, robot_
     expect(page.locator(".robot-card")).to_have_class(re.compile("selected"))
     page.keyboard.press("h")
     expect(page.locator(".robot-orders")).to_contain_text("Hold: waiting to be heard", timeout=SOON_MS)
-    page.reload()  # an order that waits is not forgotten
+    page.reload()  # an order that waits is not forgotten, nor are layers
+    expect(key).to_contain_text("cleared of victims", timeout=SOON_MS)
     expect(page.locator(".robot-card .pending")).to_contain_text("Hold", timeout=SOON_MS)
 
 
