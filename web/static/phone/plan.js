@@ -8,7 +8,7 @@ import { inMetres } from "./words.js";
 
 /** @import {Pocket, Plan} from "./types.js" */
 
-const HALF_M = 12; // shown to each side of the phone
+const HALF_M = 8; // shown to each side of the phone
 
 /** @type {{version: string, image: ImageBitmap | null} | null} */
 let drawn = null;
