@@ -64,3 +64,29 @@ photos = Table(
     Column("deleted", Boolean, nullable=False),
     _of_mission(),
 )
+
+georeferences = Table(
+    "georeferences",
+    metadata,
+    Column("mission_id", ID, primary_key=True),
+    Column("lat_deg", Float, nullable=False),
+    Column("lon_deg", Float, nullable=False),
+    Column("yaw_rad", Float, nullable=False),
+    Column("height_m", Float, nullable=False),
+    Column("sd_m", Float, nullable=False),
+    Column("points", JSON, nullable=False),  # of each: x_m, y_m, lat_deg, lon_deg
+    Column("by", String(200), nullable=False),
+    Column("changed_unix_s", Float, nullable=False),
+    _of_mission(),
+)
+
+base_maps = Table(
+    "base_maps",
+    metadata,
+    Column("mission_id", ID, primary_key=True),
+    Column("source", Text, nullable=False),  # a file's name, or a mission
+    Column("grid", LargeBinary, nullable=False),  # robots.codec of TeamGrid
+    Column("by", String(200), nullable=False),
+    Column("changed_unix_s", Float, nullable=False),
+    _of_mission(),
+)

@@ -15,6 +15,7 @@ from db.nodes import NodeStore
 from db.orders import OrderStore
 from db.people import PeopleStore
 from db.photos import PhotoStore
+from db.places import PlaceStore
 from db.reports import ReportStore
 from db.tags import TagStore
 
@@ -32,6 +33,7 @@ class Store:
         self.alerts = AlertStore(database)
         self.orders = OrderStore(database)
         self.findings = FindingStore(database)
+        self.places = PlaceStore(database)
         self.photos = PhotoStore(database)
         self.people = PeopleStore(database)
         self.reports = ReportStore(database)

@@ -28,6 +28,8 @@ from server.mission.doubts import Doubts
 from server.mission.endings import Endings
 from server.mission.evacuation import Evacuation
 from server.mission.events import Events
+from server.mission.georeferences import Georeferences
+from server.mission.ground import Ground
 from server.mission.lifecycle import Lifecycle
 from server.mission.links import Links
 from server.mission.memories import Memories
@@ -76,6 +78,7 @@ class Mission:
         self.annotations = Annotations(store, mission_id, self.board)
         self.alerts = Alerts(store, mission_id, self.board, self.events)
         self.photos = Photos(store, mission_id, self.board, self.events)
+        self.georeferences = Georeferences(store, mission_id, self.board, self.events)
         self.evacuation = Evacuation(store, mission_id, self.board, self.events)
         self.victims = Victims(store, mission_id, self.board, self.events, self.alerts)
         self.reports = Reports(
@@ -91,6 +94,7 @@ class Mission:
         self.orders = Orders(store, mission_id, self.board, self.events)
         doubts = Doubts(store, mission_id, self.alerts)
         self.shared_map = SharedMap(store, forks, self.board, self.roster, self.victims, doubts, on_grid)
+        self.ground = Ground(store, self.roster, self.shared_map)
         self.pocket = Pocket(self.board, self.roster, self.routes, self.shared_map)
         self.best_map = BestMap(store, forks, self.board, self.roster, self.shared_map, self._tasks)
         self.history = Recorder(store, mission_id, self.board, lambda: self.shared_map.image)
@@ -123,6 +127,7 @@ class Mission:
         await self.evacuation.restore()
         await self.annotations.restore()
         await self.photos.restore()
+        await self.georeferences.restore()
         await self.victims.restore()
         await self.reports.restore()
         await self.nodes.restore()
