@@ -59,7 +59,8 @@ def report(control, drive):
     gone = f"/annotations/{uuid4()}"
     line.call("PUT", gone, {"kind": "note", "text": "was here", "x_m": 1.0, "y_m": 1.0})
     line.call("DELETE", gone)
-    for words in ({"status": "confirmed", "team": "</script><i onclick=x>"}, {"live": 2, "dead": 0, "note": HOSTILE}):
+    first = {"status": "confirmed", "team": "</script><i onclick=x>"}
+    for words in (first, {"live": 2, "dead": 0, "note": HOSTILE}):
         assert line.call("PATCH", f"/victims/{victim}", words).is_success
     for alert in line.get("/alerts")["alerts"]:
         line.call("POST", f"/alerts/{alert['alert_id']}/acknowledge")
