@@ -16,8 +16,10 @@ export class Building {
    * @param {{of: () => MapInfo | null, isShown: () => boolean, onFree: (free_m2: number) => void}} source which map,
    *   whether it is the one that is looked at, and who wants to know how much floor is in it
    * @param {number} [pause_ms] shortest time between two pictures
+   * @param {"map" | "base"} [layer] by which it is switched, and under which name the plan has a pane for it
    */
-  constructor(map, store, source, pause_ms = SHORTEST_PAUSE_MS) {
+  constructor(map, store, source, pause_ms = SHORTEST_PAUSE_MS, layer = "map") {
+    this.layer = layer;
     this.map = map;
     this.store = store;
     this.source = source;
@@ -35,7 +37,7 @@ export class Building {
   update() {
     const { layers } = this.store;
     const info = this.source.of();
-    if (!info || !layers.map) {
+    if (!info || !layers[this.layer]) {
       this.overlay?.remove();
       if (!info) this.overlay = null, this.shownAddress = "";
       return;
@@ -94,7 +96,7 @@ export class Building {
     const bounds = [[y_m, x_m], [y_m + height * info.resolution_m, x_m + width * info.resolution_m]];
     if (this.overlay) this.overlay.setBounds(L.latLngBounds(bounds));
     else {
-      this.overlay = L.imageOverlay("", bounds, { pane: "building" });
+      this.overlay = L.imageOverlay("", bounds, { pane: this.layer === "map" ? "building" : "base" });
       this.overlay._image = canvas; // an image overlay makes its own <img> unless it has an element already
     }
     this.#place();
@@ -103,7 +105,7 @@ export class Building {
   /** Put the overlay on the plan, or take it off. */
   #place() {
     if (!this.overlay) return;
-    const isWanted = this.store.layers.map && this.source.isShown();
+    const isWanted = this.store.layers[this.layer] && this.source.isShown();
     if (isWanted !== this.map.hasLayer(this.overlay)) isWanted ? this.overlay.addTo(this.map) : this.overlay.remove();
   }
 }
