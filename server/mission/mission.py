@@ -30,6 +30,7 @@ from server.mission.endings import Endings
 from server.mission.evacuation import Evacuation
 from server.mission.events import Events
 from server.mission.georeferences import Georeferences
+from server.mission.ground import Ground
 from server.mission.lifecycle import Lifecycle
 from server.mission.links import Links
 from server.mission.memories import Memories
@@ -95,6 +96,7 @@ class Mission:
         self.orders = Orders(store, mission_id, self.board, self.events)
         doubts = Doubts(store, mission_id, self.alerts)
         self.shared_map = SharedMap(store, forks, self.board, self.roster, self.victims, doubts, on_grid)
+        self.ground = Ground(store, self.roster, self.shared_map)
         self.pocket = Pocket(self.board, self.roster, self.routes, self.shared_map)
         self.best_map = BestMap(store, forks, self.board, self.roster, self.shared_map, self._tasks)
         self.history = Recorder(store, mission_id, self.board, lambda: self.shared_map.image)

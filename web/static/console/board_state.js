@@ -32,6 +32,8 @@ export class BoardState {
   orders = new Map();
   /** Who watches the mission. @type {Map<string, Person>} */
   people = new Map();
+  /** People with a phone: which tag each read last. @type {Map<string, {name: string, tag_id: string, unix_s: number}>} */
+  responders = new Map();
   /** @type {[string, string][]} */
   links = [];
   /** @type {MapInfo | null} */
@@ -43,7 +45,7 @@ export class BoardState {
   /** Kind in a board key -> what has an id of that kind. @type {Record<string, Map<string, any>>} */
   keyed = {
     robot: this.robots, trail: this.trails, tag: this.tags, victim: this.victims, annotation: this.annotations,
-    event: this.events, node: this.nodes, alert: this.alerts, person: this.people,
+    event: this.events, node: this.nodes, alert: this.alerts, person: this.people, responder: this.responders,
     frontiers: this.frontiers, orders: this.orders, photo: this.photos,
   };
 

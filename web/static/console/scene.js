@@ -27,6 +27,10 @@ export class Scene {
   /** @param {string} missionId */
   async #load(missionId) {
     const address = `/viser/${encodeURIComponent(missionId)}/`;
+    if (!document.createElement("canvas").getContext("webgl2")) {
+      this.#say("No 3D in this browser", "It has no WebGL, or that is turned off. The plan shows the same and works without it.");
+      return;
+    }
     this.#say("Loading the 3D view", "The scene is being fetched.");
     try {
       await fetchChecked(address, { method: "HEAD" });

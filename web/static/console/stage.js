@@ -3,6 +3,7 @@
 import { northOf, toEarth, toMgrs } from "./earth.js";
 import { fixed } from "./format.js";
 import { GeoreferencePanel } from "./georeference.js";
+import { GroundKey } from "./ground.js";
 import { gridReference } from "./grid_reference.js";
 import { BestWords, MapSwitch } from "./map_switch.js";
 import { MeasureTool } from "./measure.js";
@@ -38,6 +39,7 @@ export function PlanTools({ store, plan, onSelect }) {
       ${hasRobot && html`<button type="button" class="tool" aria-pressed=${plan.mode === "follow"}
               onClick=${() => plan.follow()} title="Keep the selected robot in the middle (G)">Follow</button>`}
     </div>
+    <${GroundKey} layers=${plan.layers} store=${store} />
     <div class="readout">
       <${ScaleBar} scale=${plan.scale()} />
       <${Coordinates} at=${plan.cursor ?? plan.middle()} tag=${plan.cursor?.tag} frame=${store.georeference} />

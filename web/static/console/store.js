@@ -15,6 +15,10 @@ const LOST_AFTER_S = 10;
 export const LAYERS = /** @type {const} */ ({
   map: ["Building", true],
   base: ["Base map", true],
+  own: ["Selected robot's own map", false],
+  coverage: ["Coverage: near, cleared", false],
+  radio: ["Radio: where robots were heard", false],
+  memories: ["Ground as tags tell it", false],
   grid: ["Metre grid", true],
   reference: ["Grid reference", false],
   trails: ["Trails", true],
@@ -25,6 +29,7 @@ export const LAYERS = /** @type {const} */ ({
   frontiers: ["Edges of the unknown", true],
   plans: ["Plan of selected robot", true],
   victims: ["Victims", true],
+  responders: ["People at tags", true],
   notes: ["Notes and hazards", true],
   photos: ["Photos", true],
 });
@@ -106,6 +111,7 @@ export class Store {
   get orders() { return this.board.orders; }
   get people() { return this.board.people; }
   get georeference() { return this.board.georeference; }
+  get responders() { return this.board.responders; }
   get photos() { return this.board.photos; }
   get links() { return this.board.links; }
   get map() { return this.board.map; }

@@ -4,6 +4,7 @@ import { html, render } from "../console/vendor.js";
 import { Alarm, lookForOrders, Mayday } from "./alarm.js";
 import { Doubt, Entry } from "./entry.js";
 import { Guide } from "./guide.js";
+import { MemoryView } from "./memory_view.js";
 import { openOutbox } from "./outbox.js";
 import { openPockets } from "./pockets.js";
 import { askWho, onReach } from "./reach.js";
@@ -31,6 +32,7 @@ function Page() {
     <p class="where">${where.text}${where.sd_m > 1 ? ` ${say("place_unsure", { far: metres(where.sd_m) })}` : ""}</p>
     ${where.notice && html`<p class="trouble">${where.notice}</p>`}
     ${where.victims.length > 0 && html`<h2>${say("lead_me_to")}</h2><ul>${where.victims.map(NearVictim)}</ul>`}
+    <${MemoryView} />
     <${Word} />
     <h2>${say("at_another_tag")}</h2><${Entry} />
     <p class="soft">${where.mission_name}</p><${Languages} />`;

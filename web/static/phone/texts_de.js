@@ -94,6 +94,22 @@ export const DE = {
   progress: "Wie weit Sie gekommen sind",
   say_it: "Vorlesen",
 
+  // what a tag's memory says
+  memory: "Im Speicher dieser Marke",
+  memory_empty: "In diese Marke hat noch niemand geschrieben.",
+  memory_damaged: "Der Speicher dieser Marke ist beschädigt oder halb geschrieben. Telefon still halten und noch einmal berühren.",
+  memory_foreign: "Was in dieser Marke steht, ist nicht von Waymark.",
+  memory_unchecked: "Aus der Marke selbst gelesen. Ob es vom Einsatz stammt, ist nicht geprüft: nur ein Hinweis.",
+  memory_victim: "Opfer {key}: {way}, zu {sure} % sicher, gesehen in Minute {minute}.",
+  memory_note: "{author} schreibt: {text}",
+  memory_pass: "Roboter {key} kam hier {times} vorbei{went}.",
+  memory_went: ", zuletzt unterwegs zu einem Ort {way}",
+  memory_driven: "Roboter fuhren durch {n} Felder von 0,4 m rundum.",
+  memory_map: "{robot} hat eine Karte von {n} Marken hinterlassen.",
+  memory_ground: "Vom Boden rundum sind {n} Quadratmeter abgesucht, {open} davon sind offene Ränder.",
+  once: "einmal", times: "{n}-mal",
+  of_the_tag: "{a} m nach {north} und {b} m nach {west} von der Marke",
+
   // leaving word
   leave_word: "Hier etwas hinterlassen",
   what_is_here: "Was ist hier",

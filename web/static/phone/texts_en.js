@@ -93,6 +93,22 @@ export const EN = {
   progress: "How far you have come",
   say_it: "Say it",
 
+  // what a tag's memory says
+  memory: "In this tag's memory",
+  memory_empty: "Nobody has written into this tag yet.",
+  memory_damaged: "This tag's memory is damaged or half written. Hold the phone still and touch it again.",
+  memory_foreign: "What is in this tag was not written by Waymark.",
+  memory_unchecked: "Read from the tag itself. Whether the mission wrote it was not checked: take it as a hint.",
+  memory_victim: "Victim {key}: {way}, {sure}% sure, seen at minute {minute}.",
+  memory_note: "{author} writes: {text}",
+  memory_pass: "Robot {key} passed here {times}{went}.",
+  memory_went: ", last on its way to a place {way}",
+  memory_driven: "Robots drove through {n} cells of 0.4 m round it.",
+  memory_map: "{robot} left a map of {n} tags.",
+  memory_ground: "Of the ground round it {n} square metres are searched and {open} are open edges.",
+  once: "once", times: "{n} times",
+  of_the_tag: "{a} m {north} and {b} m {west} of the tag",
+
   // leaving word
   leave_word: "Leave word here",
   what_is_here: "What is here",

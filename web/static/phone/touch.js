@@ -1,10 +1,11 @@
 /** A tag was read: answer from what the phone carries, at once; then ask for the newest. */
 
-import { onOutbox, add, waiting } from "./outbox.js";
+import { askMemory } from "./memory_view.js";
+import { add, onOutbox, waiting } from "./outbox.js";
 import { keptOf, missionOf, missions, open, refresh, refreshAll } from "./pockets.js";
 import { reach, read, remember } from "./reach.js";
 import { Roads } from "./roads.js";
-import { changed, state } from "./state.js";
+import { changed, missionId, state } from "./state.js";
 import { language, say } from "./texts.js";
 import { routeTo, whereIs } from "./where.js";
 
@@ -61,7 +62,10 @@ export async function touch(tagId, mission = null, isBack = false) {
   changed();
   if (!state.where) await askServer();
   else if (reach.inReach !== false) await renew();
-  if (state.where) add("at", state.where.mission_id, { tag_id: tagId });
+  const mission_id = missionId();
+  if (state.tagId !== tagId || !state.where) return;
+  add("at", mission_id, { tag_id: tagId });
+  askMemory(mission_id, tagId);
 }
 
 /** @type {string | null} */
