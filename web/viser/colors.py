@@ -45,12 +45,20 @@ VICTIM_COLORS: dict[str, Rgb] = {
 }
 
 
-def robot_color(robot_id: str) -> Rgb:
-    """Return the robot's colour: r1, r2, ... in order, any other name by its letters (FNV-1a, 32 bit)."""
+def robot_index(robot_id: str) -> int:
+    """Return which of the robots' colours is its: r1, r2, ... in order, any other name by its letters.
+
+    FNV-1a, 32 bit.
+    """
     number = re.search(r"([0-9]{1,9})$", robot_id)
     if number and int(number[1]) > 0:
-        return ROBOT_COLORS[(int(number[1]) - 1) % len(ROBOT_COLORS)]
+        return (int(number[1]) - 1) % len(ROBOT_COLORS)
     value = 0x811C9DC5
     for byte in robot_id.encode():
         value = ((value ^ byte) * 0x01000193) & 0xFFFFFFFF
-    return ROBOT_COLORS[value % len(ROBOT_COLORS)]
+    return value % len(ROBOT_COLORS)
+
+
+def robot_color(robot_id: str) -> Rgb:
+    """Return the robot's colour, the same as on the console's plan (static/console/color.js)."""
+    return ROBOT_COLORS[robot_index(robot_id)]
