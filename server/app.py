@@ -14,6 +14,7 @@ from server.agents.process import ForkServer
 from server.api import (
     accounts,
     alerts,
+    base_map,
     best_map,
     evacuation,
     georeference,
@@ -117,6 +118,7 @@ def create_app(settings: Settings) -> FastAPI:
         annotations_api,
         photos,
         georeference,
+        base_map,
         maps,
         best_map,
         stream,

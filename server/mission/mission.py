@@ -23,6 +23,7 @@ from server.errors import ApiError
 from server.history.recorder import Recorder
 from server.mission.alerts import Alerts
 from server.mission.annotations import Annotations
+from server.mission.base_map import BaseMap
 from server.mission.best_map import BestMap
 from server.mission.doubts import Doubts
 from server.mission.endings import Endings
@@ -79,6 +80,7 @@ class Mission:
         self.alerts = Alerts(store, mission_id, self.board, self.events)
         self.photos = Photos(store, mission_id, self.board, self.events)
         self.georeferences = Georeferences(store, mission_id, self.board, self.events)
+        self.base_map = BaseMap(store, mission_id, self.board, self.events)
         self.evacuation = Evacuation(store, mission_id, self.board, self.events)
         self.victims = Victims(store, mission_id, self.board, self.events, self.alerts)
         self.reports = Reports(
@@ -128,6 +130,7 @@ class Mission:
         await self.annotations.restore()
         await self.photos.restore()
         await self.georeferences.restore()
+        await self.base_map.restore()
         await self.victims.restore()
         await self.reports.restore()
         await self.nodes.restore()
