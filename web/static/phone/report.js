@@ -2,6 +2,7 @@
 
 import { NOTE_KINDS } from "../console/notes.js";
 import { html } from "../console/vendor.js";
+import { IntoChip } from "./nfc_view.js";
 import { add } from "./outbox.js";
 import { smaller } from "./photo.js";
 import { changed, missionId, state } from "./state.js";
@@ -21,7 +22,8 @@ async function leaveWord(event) {
     return;
   }
   await add("note", missionId(), { note: kind, text, tag_id: state.tagId });
-  changed({ form: "", said: say("left_at", { kind: say(/** @type {Key} */ (`kind_${kind}`)), tag: state.tagId }), trouble: "" });
+  const word = { tagId: state.tagId, text: `${kind}: ${text}` };
+  changed({ form: "", word, said: say("left_at", { kind: say(/** @type {Key} */ (`kind_${kind}`)), tag: state.tagId }), trouble: "" });
 }
 
 /** A photo is left as soon as it is taken. @param {Event} event */
@@ -38,7 +40,7 @@ async function leavePhoto(event) {
 export function Word() {
   if (state.form === "victim") return html`<${VictimForm} />`;
   if (state.form !== "word") {
-    return html`<button type="button" onClick=${() => changed({ form: "word", said: "" })}>${say("leave_word")}</button>`;
+    return html`<${IntoChip} /><button type="button" onClick=${() => changed({ form: "word", said: "", word: null })}>${say("leave_word")}</button>`;
   }
   return html`<form onSubmit=${leaveWord}>
     <label>${say("what_is_here")}<input name="text" maxlength="2000" /></label>
