@@ -32,14 +32,20 @@ export class BoardState {
   orders = new Map();
   /** Who watches the mission. @type {Map<string, Person>} */
   people = new Map();
+  /** People with a phone: which tag each read last. @type {Map<string, {name: string, tag_id: string, unix_s: number}>} */
+  responders = new Map();
   /** @type {[string, string][]} */
   links = [];
   /** @type {MapInfo | null} */
   map = null;
+  /** What was there before the mission. @type {MapInfo | null} */
+  baseMap = null;
+  /** Where the mission lies, once somebody has said. @type {import("./earth.js").Georeference | null} */
+  georeference = null;
   /** Kind in a board key -> what has an id of that kind. @type {Record<string, Map<string, any>>} */
   keyed = {
     robot: this.robots, trail: this.trails, tag: this.tags, victim: this.victims, annotation: this.annotations,
-    event: this.events, node: this.nodes, alert: this.alerts, person: this.people,
+    event: this.events, node: this.nodes, alert: this.alerts, person: this.people, responder: this.responders,
     frontiers: this.frontiers, orders: this.orders, photo: this.photos,
   };
 
@@ -49,6 +55,8 @@ export class BoardState {
     this.evacuation = null;
     this.links = [];
     this.map = null;
+    this.baseMap = null;
+    this.georeference = null;
   }
 
   /**
@@ -65,5 +73,7 @@ export class BoardState {
     else if (kind === "evacuation") this.evacuation = value;
     else if (kind === "links") this.links = value?.pairs ?? [];
     else if (kind === "map") this.map = value;
+    else if (kind === "base_map") this.baseMap = value;
+    else if (kind === "georeference") this.georeference = value;
   }
 }

@@ -15,6 +15,7 @@ import { RobotList } from "./robot_list.js";
 import { orderByKey } from "./robot_orders.js";
 import { Scene } from "./scene.js";
 import { PlanTools } from "./stage.js";
+import { Sounds } from "./sound.js";
 import { StopControl } from "./stop_control.js";
 import { Store } from "./store.js";
 import { Stream } from "./stream.js";
@@ -33,6 +34,7 @@ const element = (id) => /** @type {HTMLElement} */ (document.getElementById(id))
 
 const store = new Store();
 const stops = new StopControl(store);
+const sounds = new Sounds(store);
 const marks = new TimeMarks(store);
 const plan = new Plan(element("plan"), store);
 new Scene(element("scene-pane"), store);
@@ -124,6 +126,8 @@ function Notices() {
 let announced = "";
 
 function renderPanels() {
+  document.getElementById("boot")?.remove();
+  sounds.update();
   const { state } = store.connection;
   document.body.dataset.tab = store.tab;
   document.body.dataset.view = store.view;
@@ -197,6 +201,7 @@ addEventListener("keydown", (event) => pressed(event, SHORT_CUTS));
 
 addEventListener("look", () => store.changed());
 closeMenus();
+addEventListener("error", () => store.notify("This page has a fault and may not show everything. Reload it; the mission goes on."));
 setInterval(() => {
   store.past.refresh();
   store.changed();

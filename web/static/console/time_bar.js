@@ -1,5 +1,6 @@
 /** The time bar: the whole mission from its beginning to now, to scrub, to play, and to jump to what happened. */
 
+import { missionPath } from "./api.js";
 import { age, timeOfDay } from "./format.js";
 import { SPEEDS } from "./past.js";
 import { SHAPES } from "./time_marks.js";
@@ -49,7 +50,9 @@ export function TimeBar({ store, marks }) {
     <output class="time-words"><b>${timeOfDay(at_s ?? store.serverNow())}</b>
       <span>${at_s === null ? "now" : age(store.serverNow() - at_s)}</span></output>
     <button type="button" class="time-live" aria-pressed=${at_s === null} title="Back to what is now (L)"
-      onClick=${() => past.live()}>${at_s === null ? "Live" : "Back to live"}</button>`;
+      onClick=${() => past.live()}>${at_s === null ? "Live" : "Back to live"}</button>
+    <a class="time-wide" href=${`/api/v1${missionPath(past.missionId)}/report.html`} target="_blank" rel="noopener"
+      title="Everything so far in one file, to hand over or print">Report</a>`;
 }
 
 /** @param {{icon: keyof typeof ICONS, label: string, isWide?: boolean, onClick: () => void}} props */
