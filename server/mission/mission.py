@@ -25,6 +25,7 @@ from server.mission.alerts import Alerts
 from server.mission.annotations import Annotations
 from server.mission.base_map import BaseMap
 from server.mission.best_map import BestMap
+from server.mission.chip_notes import ChipNotes
 from server.mission.doubts import Doubts
 from server.mission.endings import Endings
 from server.mission.evacuation import Evacuation
@@ -85,10 +86,13 @@ class Mission:
         self.sectors = Sectors(store, mission_id, self.board, self.events)
         self.evacuation = Evacuation(store, mission_id, self.board, self.events)
         self.victims = Victims(store, mission_id, self.board, self.events, self.alerts)
+        tag_key = bytes.fromhex(record.tag_key)
+        chip_notes = ChipNotes(self.annotations, tag_key)
         self.reports = Reports(
-            store, mission_id, self.board, self.annotations, self.victims, self.alerts, self.evacuation
-        )
-        self.memories = Memories(store, mission_id, bytes.fromhex(record.tag_key), self.events)
+            store, mission_id, self.board, self.annotations, self.victims, self.alerts, self.evacuation,
+            chip_notes,
+        )  # fmt: skip
+        self.memories = Memories(store, mission_id, tag_key, self.events, chip_notes)
         self.nodes = Nodes(store, mission_id, self.board, self.alerts)
         self._tasks = Tasks(mission_id)
         self.roster = Roster(record, store, forks, self.board, self.alerts, self._tasks)
