@@ -15,7 +15,9 @@ from db.nodes import NodeStore
 from db.orders import OrderStore
 from db.people import PeopleStore
 from db.photos import PhotoStore
+from db.places import PlaceStore
 from db.reports import ReportStore
+from db.sectors import SectorStore
 from db.tags import TagStore
 
 
@@ -32,6 +34,8 @@ class Store:
         self.alerts = AlertStore(database)
         self.orders = OrderStore(database)
         self.findings = FindingStore(database)
+        self.places = PlaceStore(database)
+        self.sectors = SectorStore(database)
         self.photos = PhotoStore(database)
         self.people = PeopleStore(database)
         self.reports = ReportStore(database)

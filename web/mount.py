@@ -11,6 +11,7 @@ from fastapi import FastAPI, Request
 from fastapi.responses import HTMLResponse, Response
 from fastapi.staticfiles import StaticFiles
 from starlette.datastructures import Headers
+from starlette.middleware.gzip import GZipMiddleware
 from starlette.responses import FileResponse
 from starlette.staticfiles import NotModifiedResponse
 from starlette.types import Scope
@@ -140,8 +141,9 @@ def mount_web(
     app.add_api_route("/missions", missions, methods=["GET", "HEAD"], include_in_schema=False)
     app.add_api_route("/people", people, methods=["GET", "HEAD"], include_in_schema=False)
     app.add_api_route("/favicon.ico", icon, methods=["GET", "HEAD"], include_in_schema=False)
-    app.mount("/static", _Files(directory=STATIC), name="static")
-    app.mount("/vendor", _VendorFiles(directory=node_modules, check_dir=False), name="vendor")
+    app.mount("/static", GZipMiddleware(_Files(directory=STATIC)), name="static")
+    vendor = _VendorFiles(directory=node_modules, check_dir=False)
+    app.mount("/vendor", GZipMiddleware(vendor), name="vendor")
     if viser is not None:
         mount_proxy(app, *viser)
 

@@ -136,9 +136,14 @@ class TeamHost:
 
     def way(self, robot_id: str, until_seq: int) -> Array:
         """Return where a robot was up to an observation, as ``server.agents.best`` takes it: shape (n, 6)."""
-        steps = [step for step in self._shares[robot_id].steps.values() if step.seq <= until_seq]
+        share = self._shares.get(robot_id)  # none where the mission is over
+        steps = [step for step in share.steps.values() if step.seq <= until_seq] if share else []
         rows = [(s.seq, s.stamp_s, s.anchor, *s.anchor_from_base.as_array()) for s in steps]
         return np.array(rows, np.float64).reshape(-1, 6)
+
+    def submaps(self, robot_id: str) -> list[SubmapReport]:
+        """Return the latest submaps of a robot."""
+        return list(self._shares[robot_id].submaps.values()) if robot_id in self._shares else []
 
     def begin(self) -> None:
         """Solve from now on."""

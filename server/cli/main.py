@@ -18,6 +18,7 @@ from server.cli import (
     fit_radio,
     labels,
     replay,
+    report,
     serve,
     simulate,
     solve,
@@ -42,6 +43,7 @@ def build() -> typer.Typer:
     command.command("replay")(replay.replay)
     command.command("evaluate")(evaluate.evaluate)
     command.command("export")(export.export)
+    command.command("report")(report.report)
     command.command("solve")(solve.solve)
     command.command("fit-radio")(fit_radio.fit_radio)
     command.command("experiment")(experiment.experiment)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import gzip
 import json
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Iterator
 from typing import Any
 
 from db.history import ChunkSpan
@@ -43,36 +43,35 @@ class Past:
             return None
         return await asyncio.to_thread(_state_in, found[0], unix_s)
 
-    async def steps(self) -> AsyncIterator[tuple[float, dict[str, Value]]]:
-        """Yield the state after every change with its time, oldest first; what was yielded stays as it is."""
+    async def chunks(self) -> AsyncIterator[bytes]:
+        """Yield every chunk, oldest first, for ``steps``."""
         for span in await self.spans():
             found = await self.chunk(span.number)
-            if found is None:
-                continue
-            chunk = await asyncio.to_thread(_read, found[0])
-            state: dict[str, Value] = chunk["state"]
-            yield chunk["begins_unix_s"], dict(state)
-            for line in chunk["changes"]:
-                Change.of(line).apply(state)
-                yield line["unix_s"], dict(state)
+            if found is not None:
+                yield found[0]
 
     async def picture(self, version: int) -> bytes | None:
         """Return the PNG of a version of the map, None where it was not kept."""
         return await self._store.picture(self._mission_id, version)
 
 
-def _state_in(body: bytes, unix_s: float) -> tuple[float, dict[str, Value]]:
-    chunk = _read(body)
-    state: dict[str, Value] = chunk["state"]
-    since: float = chunk["begins_unix_s"]
-    for line in chunk["changes"]:
-        if line["unix_s"] > unix_s:
-            break
-        Change.of(line).apply(state)
-        since = line["unix_s"]
-    return since, state
+def steps(body: bytes) -> Iterator[tuple[float, dict[str, Value]]]:
+    """Yield the state at the beginning of a chunk and after each change, with its time.
 
-
-def _read(body: bytes) -> dict[str, Any]:
+    The dictionary is the same one each time; the values in it are replaced, never changed.
+    """
     chunk: dict[str, Any] = json.loads(gzip.decompress(body))
-    return chunk
+    state: dict[str, Value] = chunk["state"]
+    yield chunk["begins_unix_s"], state
+    for line in chunk["changes"]:
+        Change.of(line).apply(state)
+        yield line["unix_s"], state
+
+
+def _state_in(body: bytes, unix_s: float) -> tuple[float, dict[str, Value]]:
+    since, found = 0.0, {}
+    for moment, state in steps(body):
+        if moment > unix_s:
+            break
+        since, found = moment, dict(state)
+    return since, found

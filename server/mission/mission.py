@@ -23,11 +23,15 @@ from server.errors import ApiError
 from server.history.recorder import Recorder
 from server.mission.alerts import Alerts
 from server.mission.annotations import Annotations
+from server.mission.base_map import BaseMap
 from server.mission.best_map import BestMap
+from server.mission.chip_notes import ChipNotes
 from server.mission.doubts import Doubts
 from server.mission.endings import Endings
 from server.mission.evacuation import Evacuation
 from server.mission.events import Events
+from server.mission.georeferences import Georeferences
+from server.mission.ground import Ground
 from server.mission.lifecycle import Lifecycle
 from server.mission.links import Links
 from server.mission.memories import Memories
@@ -44,6 +48,7 @@ from server.mission.reports import Reports
 from server.mission.robot_alerts import RobotAlerts
 from server.mission.roster import Roster
 from server.mission.routes import Routes
+from server.mission.sectors import Sectors
 from server.mission.senders import Senders
 from server.mission.shared_map import SharedMap
 from server.mission.stops import Stops
@@ -76,12 +81,18 @@ class Mission:
         self.annotations = Annotations(store, mission_id, self.board)
         self.alerts = Alerts(store, mission_id, self.board, self.events)
         self.photos = Photos(store, mission_id, self.board, self.events)
+        self.georeferences = Georeferences(store, mission_id, self.board, self.events)
+        self.base_map = BaseMap(store, mission_id, self.board, self.events)
+        self.sectors = Sectors(store, mission_id, self.board, self.events)
         self.evacuation = Evacuation(store, mission_id, self.board, self.events)
         self.victims = Victims(store, mission_id, self.board, self.events, self.alerts)
+        tag_key = bytes.fromhex(record.tag_key)
+        chip_notes = ChipNotes(self.annotations, tag_key)
         self.reports = Reports(
-            store, mission_id, self.board, self.annotations, self.victims, self.alerts, self.evacuation
-        )
-        self.memories = Memories(store, mission_id, bytes.fromhex(record.tag_key), self.events)
+            store, mission_id, self.board, self.annotations, self.victims, self.alerts, self.evacuation,
+            chip_notes,
+        )  # fmt: skip
+        self.memories = Memories(store, mission_id, tag_key, self.events, chip_notes)
         self.nodes = Nodes(store, mission_id, self.board, self.alerts)
         self._tasks = Tasks(mission_id)
         self.roster = Roster(record, store, forks, self.board, self.alerts, self._tasks)
@@ -91,6 +102,7 @@ class Mission:
         self.orders = Orders(store, mission_id, self.board, self.events)
         doubts = Doubts(store, mission_id, self.alerts)
         self.shared_map = SharedMap(store, forks, self.board, self.roster, self.victims, doubts, on_grid)
+        self.ground = Ground(store, self.roster, self.shared_map)
         self.pocket = Pocket(self.board, self.roster, self.routes, self.shared_map)
         self.best_map = BestMap(store, forks, self.board, self.roster, self.shared_map, self._tasks)
         self.history = Recorder(store, mission_id, self.board, lambda: self.shared_map.image)
@@ -123,6 +135,9 @@ class Mission:
         await self.evacuation.restore()
         await self.annotations.restore()
         await self.photos.restore()
+        await self.georeferences.restore()
+        await self.base_map.restore()
+        await self.sectors.restore()
         await self.victims.restore()
         await self.reports.restore()
         await self.nodes.restore()

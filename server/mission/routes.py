@@ -10,6 +10,7 @@ import numpy as np
 
 from robots.routes.planner import Hazard, Leg, NoRouteError, RouteMap
 from robots.routes.sight import is_clear
+from robots.routes.texts import Language, say
 from robots.routes.ways import Way, ways_along
 from robots.routes.words import bearing_deg, compass_point, metres, warning
 from robots.team import TeamGrid
@@ -43,14 +44,14 @@ class Routes:
         self._of: list[Value] = []  # what the roads were made of; values of a board never change in place
         self._roads = RouteMap([])
 
-    def find(self, grid: TeamGrid | None, from_tag: str, to: str) -> Route:
+    def find(self, grid: TeamGrid | None, from_tag: str, to: str, language: Language = "en") -> Route:
         """Return the best route from a tag to ``tag:ID``, ``victim:ID`` or ``note:ID``.
 
         Raises:
             ApiError: there is no such thing, or no route to it.
         """
         self._refresh()
-        return _find(self._board, self._roads, grid, from_tag, to)
+        return _find(self._board, self._roads, grid, from_tag, to, language)
 
     def neighbours(self, tag_id: str) -> list[tuple[str, Way, float]]:
         """Return the tags next to a tag with the ways and bearings there, the nearest first."""
@@ -72,7 +73,9 @@ class Routes:
             self._of, self._roads = now, _roads(board)
 
 
-def _find(board: Board, roads: RouteMap, grid: TeamGrid | None, from_tag: str, to: str) -> Route:
+def _find(
+    board: Board, roads: RouteMap, grid: TeamGrid | None, from_tag: str, to: str, language: Language
+) -> Route:
     tags = {value["tag_id"]: value for value in board.of_kind("tag")}
     if from_tag not in tags:
         raise unknown("tag", from_tag)
@@ -93,8 +96,9 @@ def _find(board: Board, roads: RouteMap, grid: TeamGrid | None, from_tag: str, t
     last = legs[-1].way.to_tag if legs else from_tag
     way = Way(last, to, np.array([places[last], target]))
     bearing = bearing_deg(way.points_m[0], way.points_m[1])
-    text = f"From tag {last} go {metres(way.length_m)} {compass_point(bearing)}: there is {kind} {name}."
-    text += warning(roads.hazards_near(way.points_m))
+    goal, where = say(language, f"goal_{kind}", name=name), compass_point(bearing, language)
+    text = say(language, "last_leg", tag=last, far=metres(way.length_m), way=where, goal=goal)
+    text += warning(roads.hazards_near(way.points_m), language)
     return Route(tuple(legs), target, way, text)
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from db.store import Store
 from robots.se2 import Array
 from robots.team import TeamGrid, TeamTag, TeamUpdate
-from robots.types import AgentUpdate
+from robots.types import AgentUpdate, SubmapReport
 from server.agents.process import ForkServer
 from server.agents.team import TeamHost
 from server.board import Board
@@ -94,6 +94,10 @@ class SharedMap:
         self.image = await asyncio.to_thread(draw, replace(grid, version=self._next_version()))
         self._board.publish({"map": map_value(self._mission_id, self.image)})
         self._on_grid(self._mission_id, grid)
+
+    def submaps(self, robot_id: str) -> list[SubmapReport]:
+        """Return the latest submaps of a robot."""
+        return self._team.submaps(robot_id)
 
     async def close(self) -> None:
         """End the process."""

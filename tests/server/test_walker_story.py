@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import time
 from math import hypot
+from threading import Event
 
 import numpy as np
 import pytest
@@ -18,6 +19,7 @@ from robots.routes.planner import RouteMap
 from robots.routes.ways import Way
 from robots.routes.words import bearing_deg, compass_point, leg_text, metres
 from robots.sim.live import play
+from robots.sim.responder import Responder
 from robots.sim.scenario import ScenarioConfig
 from robots.sim.walker import Advice, Walker
 
@@ -96,3 +98,27 @@ def test_who_starts_without_signal_is_led_to_the_victim(explored, seed):
         assert walker.read[0] == start
     assert legs >= 2
     assert max(led_m) < 1.0, led_m
+
+
+def test_the_commander_sees_at_which_tag_a_simulated_responder_is(control, explored, wait_until):
+    simulation, _ = explored
+    line, stop = control.line("walked"), Event()
+    reachable = {
+        v["victim_id"] for v in line.control.call("GET", "/where/BASE?mission=walked").json()["victims"]
+    }
+    assert reachable
+    responder = Responder(simulation, f"http://127.0.0.1:{control.port}", "walked", "Kim", 60.0, stop)
+    responder.start()
+    try:
+        wait_until(lambda: responder.reached, 40.0)
+        with line.stream() as stream:
+            (person,) = stream.kind("responder")
+    finally:
+        stop.set()
+        responder.join()
+    assert responder.reached <= reachable
+    tags = [report["body"]["tag_id"] for report in line.get("/reports")["reports"]]
+    assert person["name"] == "Kim (sent by operator)"
+    assert person["tag_id"] == tags[0]
+    assert "BASE" in tags
+    assert time.time() - person["unix_s"] < 60.0

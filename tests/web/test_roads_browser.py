@@ -12,6 +12,7 @@ import pytest
 from fastapi import FastAPI
 from playwright.sync_api import Browser, Page
 
+from robots.routes.texts import Language
 from robots.routes.words import bearing_deg, is_uncertain, leg_text
 from robots.team import TeamGrid
 from server.board import Board
@@ -36,10 +37,10 @@ ASK = """async (cases) => {
 
 
 @pytest.fixture
-def page(browser: Browser, serve: Any) -> Iterator[Page]:
+def page(browser: Browser, serve: Any, language: Language) -> Iterator[Page]:
     app = FastAPI()
     mount_web(app)
-    context = browser.new_context(locale="en-GB")
+    context = browser.new_context(locale=language)
     page = context.new_page()
     page.goto(f"http://{serve(app)}/static/logo.svg")  # any page of the server's
     yield page
@@ -102,7 +103,7 @@ def board_of(rng: np.random.Generator) -> tuple[Board, TeamGrid | None]:
     return board, TeamGrid(cells, (-5.0, -5.0), 0.2, 1)
 
 
-def case_of(seed: int) -> tuple[dict[str, Any], dict[str, Any]]:
+def case_of(seed: int, language: Language) -> tuple[dict[str, Any], dict[str, Any]]:
     rng = np.random.default_rng(seed)
     board, grid = board_of(rng)
     kinds = {kind: board.of_kind(kind) for kind in ("tag", "trail", "victim", "annotation")}
@@ -121,21 +122,23 @@ def case_of(seed: int) -> tuple[dict[str, Any], dict[str, Any]]:
     asked = [(str(rng.choice(names)), str(rng.choice(goals))) for _ in range(40)]
     tags = [str(name) for name in rng.choice(names, 5)]
     expected = {
-        "routes": [route_of(routes, grid, *each) for each in asked],
-        "where": [whereabouts(board, routes, grid, tag) for tag in tags],
+        "routes": [route_of(routes, grid, *each, language) for each in asked],
+        "where": [whereabouts(board, routes, grid, tag, language) for tag in tags],
     }
     return {"pocket": pocket, "routes": asked, "tags": tags}, expected
 
 
-def route_of(routes: Routes, grid: TeamGrid | None, from_tag: str, to: str) -> dict[str, Any] | None:
+def route_of(
+    routes: Routes, grid: TeamGrid | None, from_tag: str, to: str, language: Language
+) -> dict[str, Any] | None:
     try:
-        found = routes.find(grid, from_tag, to)
+        found = routes.find(grid, from_tag, to, language)
     except ApiError:
         return None
     legs = [
         {
             "tags": [leg.way.from_tag, leg.way.to_tag],
-            "text": leg_text(leg),
+            "text": leg_text(leg, language),
             "bearing": bearing_deg(*leg.way.points_m[:2]),
             "uncertain": is_uncertain(leg),
             "hazards": list(leg.hazards),
@@ -146,8 +149,9 @@ def route_of(routes: Routes, grid: TeamGrid | None, from_tag: str, to: str) -> d
     return {"legs": legs, "last": found.last_text or None, "distance_m": found.distance_m}
 
 
-def test_a_phone_finds_the_servers_routes_and_words(page: Page) -> None:
-    cases = [case_of(seed) for seed in range(CASES)]
+@pytest.mark.parametrize("language", ["en", "de"])
+def test_a_phone_finds_the_servers_routes_and_words(page: Page, language: Language) -> None:
+    cases = [case_of(seed, language) for seed in range(CASES)]
     answers = page.evaluate(ASK, [asked for asked, _ in cases])
     found = sum(route is not None for _, expected in cases for route in expected["routes"])
     legs = sum(len(route["legs"]) for _, expected in cases for route in expected["routes"] if route)

@@ -18,9 +18,20 @@ pytestmark = pytest.mark.browser
 SOON_MS = 15_000
 
 
+HEARD = """
+window.tones = [];
+const start = OscillatorNode.prototype.start;
+OscillatorNode.prototype.start = function (at) {
+  window.tones.push(this.frequency.value);
+  start.call(this, at);
+};
+"""
+
+
 @pytest.fixture
 def page(browser: Browser) -> Iterator[Page]:
     page = browser.new_context(viewport={"width": 1366, "height": 768}, color_scheme="light").new_page()
+    page.add_init_script(HEARD)
     yield page
     page.context.close()
 
@@ -44,6 +55,17 @@ def test_the_plan_is_searched_measured_and_told_of(home: str, page: Page, robot_
     page.reload()
     expect(root).to_have_attribute("data-theme", "dark")
     expect(page.locator(".robot-card")).to_be_visible(timeout=SOON_MS)
+
+    # sounds are off until somebody turns them on; an alert that is new makes one, MAYDAY another
+    assert page.evaluate("window.tones") == []
+    page.get_by_label("Look of this page").click()
+    page.get_by_label("For alerts, MAYDAY, EVACUATE").check()
+    assert page.evaluate("window.tones") == [440]
+    page.keyboard.press("Escape")
+    alerts = f"{home}/api/v1/missions/drill/alerts"
+    words = {"data": {"text": "hurt", "tag_id": seen["tag"]}, "headers": {"Origin": home}}
+    assert page.request.post(f"{alerts}/mayday", **words).ok
+    page.wait_for_function("() => window.tones.includes(1240)", timeout=SOON_MS)
 
     # a tag is found by a part of its name, selected and brought into view
     page.keyboard.press("/")
@@ -79,6 +101,19 @@ def test_the_plan_is_searched_measured_and_told_of(home: str, page: Page, robot_
     page.keyboard.press("Escape")
     expect(told).to_have_count(0)
 
+    # layers of the ground: asked for when wanted, told what their colours mean, remembered
+    page.get_by_role("button", name="Layers").click()
+    for layer in ("Coverage", "Radio", "Ground as tags", "Selected robot's own map"):
+        page.get_by_label(layer).check()
+    key = page.get_by_label("What the colours of the ground mean")
+    expect(key).to_contain_text(re.compile(r"cleared of victims, [1-9]\d* m²"), timeout=SOON_MS)
+    expect(page.locator(".leaflet-layers-pane canvas.building")).to_be_attached(timeout=SOON_MS)
+    page.keyboard.press("Escape")
+    page.locator(".robot-card .card-body").click()
+    expect(key).to_contain_text("as r1 alone has it", timeout=SOON_MS)
+    expect(page.locator(".leaflet-layers-pane canvas.building")).to_have_count(2, timeout=SOON_MS)
+    page.locator(".robot-card .card-body").click()
+
     # keys: a sheet tells them, numbers select robots, a letter orders the selected one
     page.keyboard.press("?")
     expect(page.get_by_role("dialog")).to_contain_text("The selected robot: return")
@@ -88,7 +123,8 @@ def test_the_plan_is_searched_measured_and_told_of(home: str, page: Page, robot_
     expect(page.locator(".robot-card")).to_have_class(re.compile("selected"))
     page.keyboard.press("h")
     expect(page.locator(".robot-orders")).to_contain_text("Hold: waiting to be heard", timeout=SOON_MS)
-    page.reload()  # an order that waits is not forgotten
+    page.reload()  # an order that waits is not forgotten, nor are layers
+    expect(key).to_contain_text("cleared of victims", timeout=SOON_MS)
     expect(page.locator(".robot-card .pending")).to_contain_text("Hold", timeout=SOON_MS)
 
 
@@ -112,3 +148,15 @@ def test_measures_and_names_of_squares_are_exact(home: str, page: Page) -> None:
         "length": 10,
         "names": ["A00", "A00", "B00", "Z99", "Z99", "A00"],
     }
+
+
+def test_without_webgl_and_without_scripts_the_page_says_so(home: str, page: Page) -> None:
+    made = {"data": {"name": "Drill", "mission_id": "drill"}, "headers": {"Origin": home}}
+    assert page.request.post(f"{home}/api/v1/missions", **made).ok
+    page.add_init_script("HTMLCanvasElement.prototype.getContext = () => null")
+    page.goto(home)
+    page.get_by_role("button", name="3D", exact=True).click()
+    expect(page.get_by_text("No 3D in this browser")).to_be_visible(timeout=SOON_MS)
+    page.route("**/console/store.js", lambda route: route.abort())
+    page.reload()
+    expect(page.get_by_text("Loading the console")).to_be_visible()

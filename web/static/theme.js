@@ -1,16 +1,19 @@
 /**
- * Dark or daylight, and how large: chosen once for all pages of this browser; until then as the device has it.
+ * Dark or daylight, how large, and with sounds or without: chosen once for all pages of this browser; until then as the device has it.
  *
  * Loaded before anything is painted, so that no page flashes up in the other theme.
  */
 
 /** @typedef {"auto" | "dark" | "daylight"} Theme */
 /** @typedef {"desk" | "wall"} Size */
+/** @typedef {"off" | "on"} Sound */
 
+/** @type {{theme: Theme, size: Size, sound: Sound}} */
+const UNCHOSEN = { theme: "auto", size: "desk", sound: "off" };
 const KEPT = "waymark.look";
 const light = matchMedia("(prefers-color-scheme: light)");
-/** @type {{theme: Theme, size: Size}} */
-const look = { theme: "auto", size: "desk", ...kept() };
+/** @type {{theme: Theme, size: Size, sound: Sound}} */
+const look = { ...UNCHOSEN, ...kept() };
 /** Resolved colours of the theme, by name. @type {Map<string, string>} */
 const colors = new Map();
 
@@ -38,7 +41,7 @@ export function shownTheme() {
 
 export const chosenLook = () => ({ ...look });
 
-/** @param {Partial<{theme: Theme, size: Size}>} chosen */
+/** @param {Partial<typeof UNCHOSEN>} chosen */
 export function chooseLook(chosen) {
   Object.assign(look, chosen);
   try {
@@ -68,7 +71,7 @@ export function rgb(name) {
 light.addEventListener("change", show);
 addEventListener("storage", (event) => {
   if (event.key !== KEPT) return;
-  Object.assign(look, { theme: "auto", size: "desk" }, kept());
+  Object.assign(look, UNCHOSEN, kept());
   show();
 });
 show();

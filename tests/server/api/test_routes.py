@@ -72,3 +72,15 @@ def test_what_is_typed_off_a_label_leads_to_its_tag(driven, tags):
         "trouble": "mistyped",
     }
     assert driven.control.call("GET", "/where?typed=0000-V").json()["trouble"] in ("unknown", "mistyped")
+
+
+def test_words_come_in_german_too(driven, tags):
+    a, b = driven.get("/tags")["links"][0]
+    route = driven.get(f"/routes?from={a}&to=tag:{b}&language=de")
+    assert route["legs"][-1]["text"].endswith(f" bis Marke {b}.")
+    victim = driven.get("/victims")["victims"][0]["victim_id"]
+    last = driven.get(f"/routes?from={a}&to=victim:{victim}&language=de")["last"]
+    assert last["text"].endswith(f"gehen: Dort ist Opfer {victim}.")
+    where = driven.control.call("GET", f"/where/{a}?language=de").json()
+    assert where["text"].startswith(f"Sie sind an Marke {a}.")
+    assert driven.control.call("GET", f"/where/{a}?language=fr").status_code == 422

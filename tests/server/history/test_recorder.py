@@ -11,7 +11,7 @@ from db.records import MissionRecord
 from db.store import Store
 from server.board import Board
 from server.history import recorder as recorder_module
-from server.history.past import Past
+from server.history.past import Past, steps
 from server.history.recorder import CHUNK_S, Recorder
 from server.map_image import MapImage
 
@@ -179,7 +179,11 @@ def test_a_clock_that_is_set_back_does_not_fold_the_past(desk):
         await desk.show(victim_v1={"n": 1})
         await desk.show(-50.0, victim_v1={"n": 2})
         await desk.show(1.0, victim_v1={"n": 3})
-        moments = [(unix_s, state["victim/v1"]["n"]) async for unix_s, state in desk.past.steps()]
+        moments = [
+            (unix_s, state["victim/v1"]["n"])
+            async for chunk in desk.past.chunks()
+            for unix_s, state in steps(chunk)
+        ]
         assert moments == sorted(moments)
         assert [n for _, n in moments] == [1, 2, 3]
 

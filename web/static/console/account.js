@@ -20,7 +20,7 @@ async function logOut() {
 export function Account({ store }) {
   const { me } = store;
   if (!me?.login) return null;
-  const others = [...store.people.values()].filter(({ name }) => name !== me.name).map(({ name }) => name);
+  const others = [...store.live.people.values()].filter(({ name }) => name !== me.name).map(({ name }) => name);
   return html`
     <details class="pop account">
       <summary aria-label=${`Logged in as ${me.name}, ${me.role}`} title="Who is here">

@@ -80,7 +80,7 @@ export function TagCard({ store }) {
       ${node && html`
         <dl class="readings">${readings(node).map(([label, value]) =>
           html`<div><dt>${label}</dt><dd>${value}</dd></div>`)}</dl>
-        <p class="hint-line">Heard by ${node.robot_id} ${age(Math.max(0, store.serverNow() - node.heard_unix_s))}.</p>`}
+        <p class="hint-line">Heard by ${node.robot_id} ${age(Math.max(0, store.moment() - node.heard_unix_s))}.</p>`}
       ${alertsOf(store, id).map((alert) => html`
         <div class=${`tag-alert alert-${alert.severity}`} key=${alert.alert_id}><b>${alert.text}</b>
           <${Acknowledgement} alert=${alert} store=${store} /></div>`)}

@@ -20,7 +20,7 @@ export function gridReference(x_m, y_m) {
 }
 
 /**
- * The names, each in the corner of its square, while there is room for them.
+ * The names, each in the corner of what is seen of its square, while there is room for them.
  * @param {CanvasRenderingContext2D} ctx
  * @param {View} view
  */
@@ -49,7 +49,7 @@ export function drawGridReference(ctx, view) {
   for (let column = left; view.toX(column * SQUARE_M) < view.width; column += 1) {
     for (let row = low; view.toY((row + 1) * SQUARE_M) > -side; row += 1) {
       const [x_m, y_m] = [column * SQUARE_M, row * SQUARE_M];
-      ctx.fillText(gridReference(x_m, y_m), view.toX(x_m) + 5, view.toY(y_m + SQUARE_M) + 5);
+      ctx.fillText(gridReference(x_m, y_m), Math.max(0, view.toX(x_m)) + 5, Math.max(0, view.toY(y_m + SQUARE_M)) + 5);
     }
   }
   ctx.globalAlpha = 1;

@@ -7,6 +7,7 @@ import { drawFrontiers } from "./frontiers.js";
 import { drawGridReference } from "./grid_reference.js";
 import { drawMeasured } from "./measure.js";
 import { drawAreas } from "./notes.js";
+import { drawResponders } from "./responders.js";
 
 /** @import {Store} from "./store.js" */
 /** @import {View} from "./canvas_layer.js" */
@@ -60,6 +61,7 @@ export const drawInk = (store) =>
     if (store.layers.frontiers && !store.best.isShown) drawFrontiers(ctx, view, store);
     if (store.layers.plans) drawPlan(ctx, view, store);
     if (store.layers.tags) drawTags(ctx, view, store);
+    if (store.layers.responders) drawResponders(ctx, view, store);
     if (store.measured) drawMeasured(ctx, view, store.measured);
   };
 
@@ -244,13 +246,16 @@ function drawSelected(ctx, place) {
   ctx.stroke();
 }
 
+/** @param {number | null | undefined} perMin degrees */
+const arrow = (perMin) => (perMin == null || Math.abs(perMin) < 0.5 ? "" : perMin > 0 ? "↑" : "↓");
+
 /**
  * @param {import("./types.js").Tag} tag
  * @param {import("./types.js").Node | undefined} node
  */
 function labelOf(tag, node) {
   const id = isDoubted(tag) ? `${tag.tag_id} ${tag.state}` : tag.tag_id;
-  return node?.temperature_c == null ? id : `${id} ${Math.round(node.temperature_c)}°`;
+  return node?.temperature_c == null ? id : `${id} ${Math.round(node.temperature_c)}°${arrow(node.temperature_c_per_min)}`;
 }
 
 /**

@@ -1,12 +1,14 @@
 /** How the console looks and sounds here: theme and size, kept in this browser. */
 
 import { chooseLook, chosenLook } from "../theme.js";
+import { play } from "./sound.js";
 import { html } from "./vendor.js";
 
 /** @import {Store} from "./store.js" */
 
 const THEMES = [["auto", "As the device"], ["dark", "Dark"], ["daylight", "Daylight"]];
 const SIZES = [["desk", "Desk"], ["wall", "Wall, read at 2 m"]];
+const SOUNDS = [["off", "Off"], ["on", "For alerts, MAYDAY, EVACUATE"]];
 
 /** What has opened from the bar closes by Escape and by a press elsewhere. */
 export function closeMenus() {
@@ -24,18 +26,20 @@ export function closeMenus() {
 
 /** @param {{store: Store}} props */
 export function LookMenu({ store }) {
-  const { theme, size } = chosenLook();
+  const { theme, size, sound } = chosenLook();
   /** @param {object} chosen */
   const choose = (chosen) => {
     chooseLook(chosen);
+    if ("sound" in chosen) play("warning"); // so that one hears that it is on
     store.changed();
   };
   return html`<details class="pop look">
-    <summary aria-label="Look of this page" title="Look of this page: dark or daylight, desk or wall">
+    <summary aria-label="Look of this page" title="Look of this page: dark or daylight, desk or wall, sound">
       <svg viewBox="0 0 24 24" aria-hidden="true"><circle cx="12" cy="12" r="8" /><path d="M12 4a8 8 0 0 1 0 16Z" /></svg></summary>
     <div class="pop-card">
       <${Choice} name="theme" title="Theme" options=${THEMES} value=${theme} onChoose=${choose} />
       <${Choice} name="size" title="Size" options=${SIZES} value=${size} onChoose=${choose} />
+      <${Choice} name="sound" title="Sound" options=${SOUNDS} value=${sound} onChoose=${choose} />
     </div></details>`;
 }
 

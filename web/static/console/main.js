@@ -1,7 +1,7 @@
 /** The console: which mission, its stream, and the parts of the page that show it. */
 
 import { learnWho } from "./account.js";
-import { ApiError, request } from "./api.js";
+import { ApiError, refusal, request } from "./api.js";
 import { AlertList, TagCard } from "./alerts.js";
 import { attachDivider } from "./divider.js";
 import { EventFeed } from "./events.js";
@@ -15,9 +15,12 @@ import { RobotList } from "./robot_list.js";
 import { orderByKey } from "./robot_orders.js";
 import { Scene } from "./scene.js";
 import { PlanTools } from "./stage.js";
+import { Sounds } from "./sound.js";
 import { StopControl } from "./stop_control.js";
 import { Store } from "./store.js";
 import { Stream } from "./stream.js";
+import { PastBanner, TimeBar, timeKeys } from "./time_bar.js";
+import { TimeMarks } from "./time_marks.js";
 import { Banners, TopBar, Veil } from "./top_bar.js";
 import { html, render } from "./vendor.js";
 import { inboxKey, standing, VictimInbox } from "./victims.js";
@@ -31,6 +34,8 @@ const element = (id) => /** @type {HTMLElement} */ (document.getElementById(id))
 
 const store = new Store();
 const stops = new StopControl(store);
+const sounds = new Sounds(store);
+const marks = new TimeMarks(store);
 const plan = new Plan(element("plan"), store);
 new Scene(element("scene-pane"), store);
 attachDivider(element("divider"), element("stage"), store);
@@ -51,6 +56,8 @@ function openMission(missionId) {
   if (missionId === store.missionId) return;
   stream?.close();
   store.best.clear();
+  store.past.clear(missionId);
+  marks.open(missionId);
   store.clearBoard();
   store.missionId = missionId;
   store.exploredM2 = 0;
@@ -119,14 +126,17 @@ function Notices() {
 let announced = "";
 
 function renderPanels() {
+  document.getElementById("boot")?.remove();
+  sounds.update();
   const { state } = store.connection;
   document.body.dataset.tab = store.tab;
   document.body.dataset.view = store.view;
+  document.body.dataset.time = store.past.at_s === null ? "live" : "past";
   document.body.dataset.map = store.best.isShown ? "best" : "live";
   document.body.dataset.connection = state;
   document.title = `${state === "stale" ? "STALE · " : ""}${store.mission?.name ?? "Waymark"} · Waymark`;
   render(html`<${TopBar} store=${store} stops=${stops} onMission=${openMission} onView=${setView} />`, element("top"));
-  render(html`<${Banners} store=${store} stops=${stops} />`, element("banner"));
+  render(html`<${PastBanner} store=${store} /><${Banners} store=${store} stops=${stops} />`, element("banner"));
   render(html`<${RobotList} store=${store} stops=${stops} onSelect=${select("robot")} />`, element("robots"));
   render(html`
     <section id="alerts" aria-label="Alerts"><${AlertList} store=${store} onSelect=${show} /></section>
@@ -135,6 +145,7 @@ function renderPanels() {
     element("reports"));
   render(html`<${PlanTools} store=${store} plan=${plan} onSelect=${show} /><${TagCard} store=${store} />`, element("plan-tools"));
   render(html`<${Veil} store=${store} onRetry=${() => stream?.retry()} />`, element("veil"));
+  render(html`<${TimeBar} store=${store} marks=${marks} />`, element("time"));
   render(html`<${Tabs} />`, element("tabs"));
   render(html`<${Notices} />`, element("notices"));
   render(store.photo && store.photos.has(store.photo) ? html`<${PhotoViewer} store=${store} />` : null, element("viewer"));
@@ -183,13 +194,19 @@ const SHORT_CUTS = [
     act: (key) => orderByKey(store, key) },
   { keys: "j k", words: "The next victim, the one before", act: judge },
   { keys: "c r e x", words: "The selected victim: confirmed, reached, extricated, dismissed", act: judge },
+  ...timeKeys(store, marks),
   { keys: "Escape", words: "Leave what is open or selected", act: leave },
 ];
 addEventListener("keydown", (event) => pressed(event, SHORT_CUTS));
 
 addEventListener("look", () => store.changed());
 closeMenus();
-setInterval(() => store.changed(), TICK_MS);
+addEventListener("error", () => store.notify("This page has a fault and may not show everything. Reload it; the mission goes on."));
+setInterval(() => {
+  store.past.refresh();
+  store.changed();
+}, TICK_MS);
+refusal.of = () => (store.past.at_s === null ? "" : "You look at the past. Go back to live first.");
 renderPanels();
 learnWho(store);
 watchMissions();

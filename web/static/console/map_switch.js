@@ -12,7 +12,7 @@ import { html } from "./vendor.js";
 /** @param {{store: Store}} props */
 export function MapSwitch({ store }) {
   const { best } = store;
-  if (!store.mission) return null;
+  if (!store.mission || store.past.board) return null;
   return html`
     <div class="map-switch" role="group" aria-label="Which map">
       <button type="button" aria-pressed=${!best.isShown} onClick=${() => best.showLive()}

@@ -2,6 +2,7 @@
 
 import { Building } from "./building.js";
 import { canvasLayer } from "./canvas_layer.js";
+import { GroundLayers } from "./ground.js";
 import { drawGround, drawInk } from "./ink.js";
 import { Marks } from "./marks.js";
 import { drawEnds } from "./map_switch.js";
@@ -12,7 +13,7 @@ import { L } from "./vendor.js";
 
 /** @import {Store} from "./store.js" */
 
-const PANES = { ground: 150, building: 200, ink: 420, reports: 610, robots: 620 };
+const PANES = { ground: 150, base: 190, building: 200, layers: 210, ink: 420, reports: 610, robots: 620 };
 const POINT_PX = 12;
 const CLICK_PX = 18; // a finger is no pointer
 const CLOSE_ZOOM = 5.2; // about 37 pixels a metre: a room fills the view
@@ -48,16 +49,29 @@ export class Plan {
     for (const [name, zIndex] of Object.entries(PANES)) {
       const pane = this.map.createPane(name);
       pane.style.zIndex = String(zIndex);
-      if (name === "ground" || name === "ink") pane.style.pointerEvents = "none";
+      if (["ground", "layers", "ink"].includes(name)) pane.style.pointerEvents = "none";
     }
     this.ground = canvasLayer("ground", drawGround(store)).addTo(this.map);
+    this.layers = new GroundLayers(this.map, store);
+    this.told = canvasLayer("layers", (ctx, view) => this.layers.draw(ctx, view)).addTo(this.map);
     this.ink = canvasLayer("ink", drawInk(store)).addTo(this.map);
     this.ends = canvasLayer("ink", drawEnds(store)).addTo(this.map);
     this.building = new Building(this.map, store, {
-      of: () => store.map,
-      isShown: () => !store.best.isShown,
+      of: () => store.live.map,
+      isShown: () => !store.best.isShown && !store.past.board,
       onFree: (free_m2) => (store.exploredM2 = free_m2),
     });
+    this.base = new Building(this.map, store, {
+      of: () => store.board.baseMap,
+      isShown: () => true,
+      layer: "base",
+      pane: "base",
+    }, 0);
+    this.past = new Building(this.map, store, {
+      of: () => store.past.board?.map ?? null,
+      isShown: () => store.past.board !== null,
+      onFree: () => {},
+    }, 0);
     this.best = new Building(this.map, store, {
       of: () => store.best.content?.map ?? null,
       isShown: () => store.best.isShown,
@@ -88,8 +102,12 @@ export class Plan {
 
   update() {
     this.map.getContainer().classList.toggle("picking", this.isAsking());
+    this.base.update();
     this.building.update();
     this.best.update();
+    this.layers.update();
+    this.told.refresh();
+    this.past.update();
     this.marks.update();
     this.ground.refresh();
     this.ink.refresh();
@@ -168,7 +186,8 @@ export class Plan {
   }
 
   #fit() {
-    const { map: info, robots, victims } = this.store.shown;
+    // In the past too the whole building as it is known by now: what is looked at stays where it is.
+    const { map: info, robots, victims } = this.store.past.board ? this.store.live : this.store.shown;
     const bounds = L.latLngBounds([]);
     if (info) {
       const [x_m, y_m] = info.origin_m;

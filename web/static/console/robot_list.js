@@ -45,7 +45,7 @@ function RobotCard({ robot, store, stops, isCompact, onSelect }) {
   const id = robot.robot_id;
   const { link, age_s } = store.linkOf(robot);
   const isSelected = store.isSelectedRobot(id);
-  const stop = stops.stateOf(robot);
+  const stop = stops.stateOf(store.live.robots.get(id) ?? robot); // STOP is for now, whatever is looked at
   const battery = robot.battery;
   const isLow = battery !== null && battery < 0.2;
   const state = html`<${State} robot=${robot} isLost=${link === "lost"} isCompact=${isCompact} />`;
@@ -87,7 +87,7 @@ function RobotCard({ robot, store, stops, isCompact, onSelect }) {
           : html`<div class=${`stop-state stop-${stop}`} role="status">${STOP_WORDS[stop]}</div>`}
       </div>
       ${isSelected && html`<${RobotOrders} robot=${robot} store=${store} />`}
-      ${robot.stopped && html`
+      ${robot.stopped && !store.past.board && html`
         <div class="card-foot">
           <span>${link === "live" ? "Stands still by order." : "Takes effect when it is heard again."}</span>
           <${ResumeButton} stops=${stops} robotId=${id} />

@@ -53,7 +53,7 @@ export function TopBar({ store, stops, onMission, onView }) {
       <${Figure} label="Robots live" value=${`${live} / ${robots.length}`} level=${live < robots.length ? "warn" : ""} />
       <${Figure} label="Victims" value=${open} level=${open ? "alarm" : ""} />
       ${alerts > 0 && html`<${Figure} label="Alerts" value=${alerts} level="alarm alerts" />`}
-      <${Figure} label="Explored" value=${`${Math.round(store.exploredM2)} m²`} level="explored" />
+      <${Figure} label="Explored" value=${`${Math.round(store.past.board?.map?.explored_m2 ?? store.exploredM2)} m²`} level="explored" />
       <${Figure} label="Tags" value=${store.tags.size} />
     </dl>
     <div class="views" role="group" aria-label="View">
@@ -73,7 +73,7 @@ function Figure({ label, value, level = "" }) {
 
 /** @param {{store: Store, stops: StopControl}} props */
 function StopAll({ store, stops }) {
-  const robots = [...store.robots.values()];
+  const robots = [...store.live.robots.values()];
   const pending = stops.pendingAll;
   if (robots.length > 0 && robots.every((robot) => robot.stopped)) {
     const states = robots.map((robot) => stops.stateOf(robot));
@@ -98,7 +98,7 @@ export function Banners({ store, stops }) {
 
 /** A strip while every robot is held by an order. @param {{store: Store, stops: StopControl}} props */
 function StopBanner({ store, stops }) {
-  const robots = [...store.robots.values()];
+  const robots = [...store.live.robots.values()];
   if (!robots.length || !robots.every((robot) => robot.stopped)) return null;
   return html`<div class="stop-banner">
     <span>All robots are stopped by order. They go on when you resume them.</span>

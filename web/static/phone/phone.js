@@ -2,25 +2,31 @@
 
 import { html, render } from "../console/vendor.js";
 import { Alarm, lookForOrders, Mayday } from "./alarm.js";
+import { countSteps, placeNow } from "./between.js";
+import { askForSensors, needsAsking, watchCompass } from "./compass.js";
 import { Doubt, Entry } from "./entry.js";
 import { Guide } from "./guide.js";
+import { MemoryView } from "./memory_view.js";
 import { openOutbox } from "./outbox.js";
+import { PlanView } from "./plan.js";
 import { openPockets } from "./pockets.js";
 import { askWho, onReach } from "./reach.js";
 import { Word } from "./report.js";
 import { keepHere } from "./shell.js";
 import { Standing } from "./standing.js";
 import { changed, onChange, state } from "./state.js";
-import { language, say } from "./texts.js";
+import { language, LANGUAGES, say, speak } from "./texts.js";
 import { answer, keepFresh, lead, target, touch } from "./touch.js";
 import { metres } from "./words.js";
+
+/** @typedef {import("./texts.js").Key} Key */
 
 const AGES_MS = 10_000;
 
 function Page() {
   const { where } = state;
   const trouble = html`${state.trouble && html`<p class="trouble" role="alert">${state.trouble}</p>`}<${Doubt} />`;
-  if (!where) return html`<h1>${say("which_tag")}</h1>${trouble}<${Entry} />`;
+  if (!where) return html`<h1>${say("which_tag")}</h1>${trouble}<${Entry} /><${Languages} />`;
   const goal = target();
   return html`<h1>${say("tag", { tag: where.tag_id })}</h1>
     ${trouble}
@@ -29,15 +35,32 @@ function Page() {
     <p class="where">${where.text}${where.sd_m > 1 ? ` ${say("place_unsure", { far: metres(where.sd_m) })}` : ""}</p>
     ${where.notice && html`<p class="trouble">${where.notice}</p>`}
     ${where.victims.length > 0 && html`<h2>${say("lead_me_to")}</h2><ul>${where.victims.map(NearVictim)}</ul>`}
+    ${state.pocket && html`<${Between} /><${PlanView} />`}
+    <${MemoryView} />
     <${Word} />
     <h2>${say("at_another_tag")}</h2><${Entry} />
-    <p class="soft">${where.mission_name}</p>`;
+    <p class="soft">${where.mission_name}</p><${Languages} />`;
+}
+
+/** How far the phone has come from the tag by its own steps. */
+function Between() {
+  const place = placeNow();
+  if (place) return html`<p>${say("steps", { n: place.steps, tag: state.tagId, far: metres(2 * place.sd_m) })}</p>`;
+  return needsAsking() && state.heading === null
+    && html`<button type="button" onClick=${askForSensors}>${say("use_compass")}</button>`;
+}
+
+/** Speaking another language. */
+function Languages() {
+  const others = Object.entries(LANGUAGES).filter(([name]) => name !== language());
+  return html`${others.map(([name, { name: own }]) => html`<button key=${name} type="button" lang=${name}
+    onClick=${() => { speak(name); answer(); changed(); }}>${own}</button>`)}`;
 }
 
 /** @param {import("./types.js").NearVictim} victim */
 function NearVictim({ victim_id, status, reachable, distance_m }) {
   return html`<li key=${victim_id}><button type="button" disabled=${!reachable} onClick=${() => lead(`victim:${victim_id}`)}>
-    <span>${say("victim", { victim: victim_id })}<span class="soft"> ${reachable ? status : say("no_way_known")}</span></span>
+    <span>${say("victim", { victim: victim_id })}<span class="soft"> ${say(reachable ? /** @type {Key} */ (`status_${status}`) : "no_way_known")}</span></span>
     <span class="far">${metres(distance_m)}</span></button></li>`;
 }
 
@@ -57,18 +80,14 @@ function here() {
   return /** @type {const} */ ([first === "t" ? decodeURIComponent(tag ?? "") : "", new URLSearchParams(location.search).get("mission")]);
 }
 
-addEventListener("deviceorientationabsolute", (event) => {
-  const { alpha } = /** @type {DeviceOrientationEvent} */ (event);
-  if (alpha === null) return;
-  state.heading = (360 - alpha) % 360;
-  if (state.route) changed();
-});
 addEventListener("popstate", () => touch(...here(), true));
 
 document.documentElement.lang = language();
 page.textContent = "";
 onChange(draw);
 onReach(changed);
+watchCompass(changed);
+countSteps(changed);
 await openPockets();
 const [tagId, mission] = here();
 if (tagId) touch(tagId, mission, true);

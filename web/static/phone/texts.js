@@ -1,5 +1,6 @@
 /** What the phone says, in one place. `say("key", {values})`; a language is one table (texts_en.js has all keys). */
 
+import { DE } from "./texts_de.js";
 import { EN } from "./texts_en.js";
 
 /** A sentence with {names} in it, or one for each plural category of the value `n`. @typedef {string | {one: string, other: string}} Text */
@@ -8,7 +9,7 @@ import { EN } from "./texts_en.js";
 
 const CHOSEN = "waymark.language";
 /** @type {Record<string, {name: string, texts: Table}>} */
-export const LANGUAGES = { en: { name: "English", texts: EN } };
+export const LANGUAGES = { en: { name: "English", texts: EN }, de: { name: "Deutsch", texts: DE } };
 
 /** @returns {string} the language that was chosen on this phone, else the first of its own that there is */
 export function language() {

@@ -1,11 +1,13 @@
 /** A tag was read: answer from what the phone carries, at once; then ask for the newest. */
 
-import { onOutbox, add, waiting } from "./outbox.js";
+import { begin } from "./between.js";
+import { askMemory } from "./memory_view.js";
+import { add, onOutbox, waiting } from "./outbox.js";
 import { keptOf, missionOf, missions, open, refresh, refreshAll } from "./pockets.js";
 import { reach, read, remember } from "./reach.js";
 import { Roads } from "./roads.js";
-import { changed, state } from "./state.js";
-import { say } from "./texts.js";
+import { changed, missionId, state } from "./state.js";
+import { language, say } from "./texts.js";
 import { routeTo, whereIs } from "./where.js";
 
 /** @import {Pocket, PocketNote} from "./types.js" */
@@ -58,10 +60,14 @@ export async function touch(tagId, mission = null, isBack = false) {
   if (!tagId) return;
   remember(LAST, { tag: tagId, before });
   answer();
+  begin();
   changed();
   if (!state.where) await askServer();
   else if (reach.inReach !== false) await renew();
-  if (state.where) add("at", state.where.mission_id, { tag_id: tagId });
+  const mission_id = missionId();
+  if (state.tagId !== tagId || !state.where) return;
+  add("at", mission_id, { tag_id: tagId });
+  askMemory(mission_id, tagId);
 }
 
 /** @type {string | null} */
@@ -105,12 +111,13 @@ function notesWith(pocket) {
 
 /** The phone does not know this tag: the server may. */
 async function askServer() {
-  const query = wanted ? `?mission=${encodeURIComponent(wanted)}` : "";
-  const found = await read(`/where/${encodeURIComponent(state.tagId)}${query}`);
+  const query = new URLSearchParams({ language: language(), ...(wanted ? { mission: wanted } : {}) });
+  const found = await read(`/where/${encodeURIComponent(state.tagId)}?${query}`);
   if (found && found.tag_id === state.tagId) {
     changed({ where: found, as_of_s: null });
     await refresh(found.mission_id);
     answer();
+    begin();
     changed();
     return;
   }
