@@ -118,6 +118,14 @@ export const DE = {
   progress: "Wie weit Sie gekommen sind",
   say_it: "Vorlesen",
 
+  // between tags
+  steps: {
+    one: "Ein Schritt von Marke {tag}, vom Telefon gezählt; auf {far} genau.",
+    other: "{n} Schritte von Marke {tag}, vom Telefon gezählt; auf {far} genau.",
+  },
+  use_compass: "Kompass und Schrittzähler benutzen",
+  plan_label: "Plan um Marke {tag}, Norden oben",
+
   // what a tag's memory says
   memory: "Im Speicher dieser Marke",
   memory_empty: "In diese Marke hat noch niemand geschrieben.",

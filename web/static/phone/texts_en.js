@@ -117,6 +117,14 @@ export const EN = {
   progress: "How far you have come",
   say_it: "Say it",
 
+  // between tags
+  steps: {
+    one: "One step from tag {tag} by this phone's own count; right to {far}.",
+    other: "{n} steps from tag {tag} by this phone's own count; right to {far}.",
+  },
+  use_compass: "Use compass and step counter",
+  plan_label: "Plan round tag {tag}, north up",
+
   // what a tag's memory says
   memory: "In this tag's memory",
   memory_empty: "Nobody has written into this tag yet.",
