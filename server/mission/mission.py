@@ -48,6 +48,7 @@ from server.mission.reports import Reports
 from server.mission.robot_alerts import RobotAlerts
 from server.mission.roster import Roster
 from server.mission.routes import Routes
+from server.mission.sectors import Sectors
 from server.mission.senders import Senders
 from server.mission.shared_map import SharedMap
 from server.mission.stops import Stops
@@ -82,6 +83,7 @@ class Mission:
         self.photos = Photos(store, mission_id, self.board, self.events)
         self.georeferences = Georeferences(store, mission_id, self.board, self.events)
         self.base_map = BaseMap(store, mission_id, self.board, self.events)
+        self.sectors = Sectors(store, mission_id, self.board, self.events)
         self.evacuation = Evacuation(store, mission_id, self.board, self.events)
         self.victims = Victims(store, mission_id, self.board, self.events, self.alerts)
         tag_key = bytes.fromhex(record.tag_key)
@@ -135,6 +137,7 @@ class Mission:
         await self.photos.restore()
         await self.georeferences.restore()
         await self.base_map.restore()
+        await self.sectors.restore()
         await self.victims.restore()
         await self.reports.restore()
         await self.nodes.restore()

@@ -83,6 +83,7 @@ def test_the_examples_are_accepted(control, document):
                 victim_id="v1",
                 alert_id="hot:N1",
                 annotation_id=uuid4(),
+                sector_id=uuid4(),
                 report_id=uuid4(),
                 account_id="a1",
                 token_id="t1",
