@@ -68,7 +68,7 @@ def mount_proxy(app: FastAPI, scenes: ScenePorts, gate: Gate) -> None:
     viewers: Counter[str] = Counter()
 
     async def page(request: Request, mission_id: str) -> Response:
-        if gate(request, mission_id) is None:
+        if gate(request, _mission_of(mission_id)) is None:
             return PlainTextResponse("Log in first, then open the console again.\n", status_code=401)
         if scenes.port(mission_id) is None:
             return PlainTextResponse(
@@ -82,7 +82,7 @@ def mount_proxy(app: FastAPI, scenes: ScenePorts, gate: Gate) -> None:
 
     async def socket(websocket: WebSocket, mission_id: str) -> None:
         port = scenes.port(mission_id)
-        over = gate(websocket, mission_id)
+        over = gate(websocket, _mission_of(mission_id))
         if port is None or over is None or not same_origin(websocket.headers):
             await websocket.close(1008)  # before accept: the browser sees 403
             return
@@ -100,6 +100,11 @@ def mount_proxy(app: FastAPI, scenes: ScenePorts, gate: Gate) -> None:
         "/viser/{mission_id}", page_without_slash, methods=["GET", "HEAD"], include_in_schema=False
     )
     app.add_api_websocket_route("/viser/{mission_id}", socket)
+
+
+def _mission_of(key: str) -> str:
+    """Return whose scene it is: one of a mission's past has a name of its own after an @."""
+    return key.partition("@")[0]
 
 
 def same_origin(headers: Mapping[str, str]) -> bool:
