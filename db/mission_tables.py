@@ -90,3 +90,34 @@ base_maps = Table(
     Column("changed_unix_s", Float, nullable=False),
     _of_mission(),
 )
+
+sectors = Table(
+    "sectors",
+    metadata,
+    Column("mission_id", ID, primary_key=True),
+    Column("sector_id", String(36), primary_key=True),
+    Column("name", String(60), nullable=False),
+    Column("area_m", JSON, nullable=False),  # corners in the world frame
+    Column("status", String(20), nullable=False),  # unassigned | under_way | searched | second_look
+    Column("robots", JSON, nullable=False),
+    Column("team", String(60), nullable=False),
+    Column("note", Text, nullable=False),
+    Column("period", Integer),
+    Column("by", String(200), nullable=False),
+    Column("created_unix_s", Float, nullable=False),
+    Column("changed_unix_s", Float, nullable=False),
+    Column("deleted", Boolean, nullable=False),
+    _of_mission(),
+)
+
+periods = Table(
+    "periods",
+    metadata,
+    Column("mission_id", ID, primary_key=True),
+    Column("number", Integer, primary_key=True, autoincrement=False),
+    Column("commander", String(60), nullable=False),
+    Column("objectives", Text, nullable=False),
+    Column("begun_unix_s", Float, nullable=False),
+    Column("ended_unix_s", Float),
+    _of_mission(),
+)

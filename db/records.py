@@ -230,3 +230,9 @@ class OrderRecord:
     communication: str = ""
     state: OrderState = "issued"
     text: str = ""
+    area_m: tuple[tuple[float, float], ...] = ()
+
+    @classmethod
+    def of(cls, value: dict[str, Any]) -> OrderRecord:
+        """Return it of its plain values, as they are stored."""
+        return cls(**{**value, "area_m": tuple((float(x), float(y)) for x, y in value["area_m"])})

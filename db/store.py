@@ -17,6 +17,7 @@ from db.people import PeopleStore
 from db.photos import PhotoStore
 from db.places import PlaceStore
 from db.reports import ReportStore
+from db.sectors import SectorStore
 from db.tags import TagStore
 
 
@@ -34,6 +35,7 @@ class Store:
         self.orders = OrderStore(database)
         self.findings = FindingStore(database)
         self.places = PlaceStore(database)
+        self.sectors = SectorStore(database)
         self.photos = PhotoStore(database)
         self.people = PeopleStore(database)
         self.reports = ReportStore(database)

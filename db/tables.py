@@ -259,6 +259,7 @@ orders = Table(
     Column("communication", String(40), nullable=False),
     Column("state", String(10), nullable=False),  # issued | delivered | done | failed
     Column("text", Text, nullable=False),
+    Column("area_m", JSON, nullable=False, server_default="[]"),
     _of_robot(),
 )
 

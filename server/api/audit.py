@@ -77,6 +77,13 @@ async def take_back(
             await mission.annotations.remove(entry.subject)
         else:
             await mission.annotations.put(AnnotationRecord.of(entry.before))
+    elif entry.action in ("put_sector", "delete_sector"):
+        if plain(mission.sectors.value(entry.subject)) != entry.after:
+            raise changed
+        if entry.before is None:
+            await mission.sectors.remove(entry.subject)
+        else:
+            await mission.sectors.put_back(entry.before)
     elif entry.action in ("put_georeference", "delete_georeference"):
         if plain(mission.georeferences.value()) != entry.after:
             raise changed
@@ -85,5 +92,5 @@ async def take_back(
     elif entry.action == "delete_photo":
         await mission.photos.put_back(entry.subject)
     else:
-        message = "Only changes of victims, annotations, photos and georeferences can be taken back."
+        message = "Only changes of what is on the map can be taken back."
         raise ApiError(409, "cannot_undo", message, "audit_id")

@@ -25,7 +25,7 @@ log = structlog.get_logger()
 
 
 @router.websocket("/view")
-async def view(websocket: WebSocket, mission_id: str) -> None:
+async def view(websocket: WebSocket, mission_id: str, theme: str = "dark") -> None:
     """Say where the scene is (`{"scene": address}`); it shows the moment that was sent last, in Unix seconds.
 
     The scene ends with the socket.
@@ -36,7 +36,7 @@ async def view(websocket: WebSocket, mission_id: str) -> None:
     _, actor = found
     missions: Missions = websocket.app.state.missions
     scenes: Scenes = websocket.app.state.scenes
-    scene = scenes.open_past(mission_id)
+    scene = scenes.open_past(mission_id, theme)
     if scene is None:
         await websocket.close(_FULL, "too many people look at the past in 3D; close another page or use 2D")
         return

@@ -69,6 +69,11 @@ class Georeferences:
             told = f"lies at {record.lat_deg:.5f}, {record.lon_deg:.5f}"
             await self._events.tell("georeference", f"The mission {told}, says {by}.")
 
+    async def take_over(self, other: Georeferences, by: str) -> None:
+        """Lie where another mission lies, if that is known and this one's place is not."""
+        if self._now is None and other._now is not None:
+            await self.set(other._now, by)
+
     def _show(self, record: GeoreferenceRecord | None) -> None:
         self._now = record
         self._board.publish({"georeference": self.value()})

@@ -23,7 +23,9 @@ from server.errors import ApiError
 from server.history.recorder import Recorder
 from server.mission.alerts import Alerts
 from server.mission.annotations import Annotations
+from server.mission.base_map import BaseMap
 from server.mission.best_map import BestMap
+from server.mission.chip_notes import ChipNotes
 from server.mission.doubts import Doubts
 from server.mission.endings import Endings
 from server.mission.evacuation import Evacuation
@@ -46,6 +48,7 @@ from server.mission.reports import Reports
 from server.mission.robot_alerts import RobotAlerts
 from server.mission.roster import Roster
 from server.mission.routes import Routes
+from server.mission.sectors import Sectors
 from server.mission.senders import Senders
 from server.mission.shared_map import SharedMap
 from server.mission.stops import Stops
@@ -79,12 +82,17 @@ class Mission:
         self.alerts = Alerts(store, mission_id, self.board, self.events)
         self.photos = Photos(store, mission_id, self.board, self.events)
         self.georeferences = Georeferences(store, mission_id, self.board, self.events)
+        self.base_map = BaseMap(store, mission_id, self.board, self.events)
+        self.sectors = Sectors(store, mission_id, self.board, self.events)
         self.evacuation = Evacuation(store, mission_id, self.board, self.events)
         self.victims = Victims(store, mission_id, self.board, self.events, self.alerts)
+        tag_key = bytes.fromhex(record.tag_key)
+        chip_notes = ChipNotes(self.annotations, tag_key)
         self.reports = Reports(
-            store, mission_id, self.board, self.annotations, self.victims, self.alerts, self.evacuation
-        )
-        self.memories = Memories(store, mission_id, bytes.fromhex(record.tag_key), self.events)
+            store, mission_id, self.board, self.annotations, self.victims, self.alerts, self.evacuation,
+            chip_notes,
+        )  # fmt: skip
+        self.memories = Memories(store, mission_id, tag_key, self.events, chip_notes)
         self.nodes = Nodes(store, mission_id, self.board, self.alerts)
         self._tasks = Tasks(mission_id)
         self.roster = Roster(record, store, forks, self.board, self.alerts, self._tasks)
@@ -128,6 +136,8 @@ class Mission:
         await self.annotations.restore()
         await self.photos.restore()
         await self.georeferences.restore()
+        await self.base_map.restore()
+        await self.sectors.restore()
         await self.victims.restore()
         await self.reports.restore()
         await self.nodes.restore()

@@ -15,6 +15,7 @@ from server.board import Board
 from server.errors import ApiError
 from server.mission.alerts import Alerts
 from server.mission.annotations import Annotations
+from server.mission.chip_notes import ChipNotes
 from server.mission.evacuation import Evacuation
 from server.mission.victims import Victims
 from server.schemas.reports import ReportIn
@@ -36,6 +37,7 @@ class Reports:
         victims: Victims,
         alerts: Alerts,
         evacuation: Evacuation,
+        chip_notes: ChipNotes,
     ) -> None:
         self._store = store.reports
         self._mission_id = mission_id
@@ -44,6 +46,7 @@ class Reports:
         self._victims = victims
         self._alerts = alerts
         self._evacuation = evacuation
+        self._chip_notes = chip_notes
         self._taking = asyncio.Lock()  # one sent twice at the same time counts once too
 
     async def restore(self) -> None:
@@ -98,6 +101,7 @@ class Reports:
                 changed_unix_s=record.received_unix_s,
             )
         )
+        await self._chip_notes.is_reported(said.tag_id or "", record.by, said.note, said.text)
         return f"It stands on the map at tag {said.tag_id}."
 
     async def _take_victim(self, record: ReportRecord, said: ReportIn) -> str:

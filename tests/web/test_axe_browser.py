@@ -78,6 +78,9 @@ def test_every_page_and_state_has_no_violation(link: str, page: Page, robot_log:
     audit.look("console, best map")
     page.keyboard.press("b")
 
+    page.goto(f"{home}/missions")
+    expect(page.get_by_role("heading", level=1)).to_be_visible()
+    audit.look("missions")
     page.goto(f"{home}/people")
     page.get_by_label("What it is for").fill("red rover")
     page.get_by_role("button", name="Make a token").click()

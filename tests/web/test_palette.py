@@ -8,7 +8,7 @@ from itertools import product
 import pytest
 
 from web.mount import STATIC
-from web.viser.colors import PALETTE_FILE, ROBOT_COLORS, THEMES, Rgb, robot_color
+from web.viser.colors import PALETTE_FILE, ROBOTS, THEMES, Palette, Rgb, robot_color
 
 TEXT, SHAPE = 4.5, 3.0  # smallest contrast
 SURFACES = ("ground", "panel", "raised", "raised-more", "sunk")
@@ -84,9 +84,9 @@ def test_both_themes_have_the_same_names_and_pages_use_no_other() -> None:
 
 
 def test_plan_and_scene_give_a_robot_the_same_color() -> None:
-    assert len(set(ROBOT_COLORS)) == 12
-    assert robot_color("r1") == ROBOT_COLORS[0] == THEMES["dark"]["robot-1"]
-    assert robot_color("rover12") == ROBOT_COLORS[11]
-    assert robot_color("r13") == ROBOT_COLORS[0]
+    for theme, colors in THEMES.items():
+        assert len({colors[f"robot-{k}"] for k in range(1, ROBOTS + 1)}) == ROBOTS
+        assert robot_color("r1", theme) == robot_color("r13", theme) == colors["robot-1"]
+        assert Palette(theme).robot("rover12") == colors["robot-12"]
     assert robot_color("alpha") == robot_color("alpha")
     assert robot_color("alpha") != robot_color("bravo")

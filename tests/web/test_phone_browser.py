@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import io
 import re
 import time
 from collections.abc import Iterator
 from typing import Any
 
 import pytest
+from PIL import Image
 from playwright.sync_api import Browser, BrowserContext, Page, expect
 
 from server.app import create_app
@@ -179,3 +181,23 @@ def test_a_victim_is_counted_and_asked_about_step_by_step(field: Field, page: Pa
         assert (victim["live"], victim["dead"], victim["triage"]) == (2, 1, "delayed")
         assert victim["start"]["breaths_per_min"] == 20
         api.patch(f"/victims/{victim['victim_id']}", json={"status": "dismissed"})
+
+
+def test_a_photo_waits_for_signal_like_any_report(field: Field, context: BrowserContext, page: Page) -> None:
+    tag = field.links[0][0]
+    picture = io.BytesIO()
+    Image.new("RGB", (2400, 1200), (200, 30, 30)).save(picture, "PNG")
+    page.goto(f"{field.home}/t/{tag}")
+    page.get_by_role("button", name="Leave word here").click(timeout=SOON_MS)
+    context.set_offline(True)
+    page.get_by_label("What is here").fill("north wall")
+    file = {"name": "wall.png", "mimeType": "image/png", "buffer": picture.getvalue()}
+    page.get_by_label("Photo").set_input_files([file])
+    expect(page.get_by_text(f"Photo left at tag {tag}.")).to_be_visible(timeout=SOON_MS)
+    expect(page.get_by_role("button", name="One report waits to be sent")).to_be_visible()
+    context.set_offline(False)
+    expect(page.get_by_role("button", name="waits to be sent")).to_have_count(0, timeout=SOON_MS)
+    with field.api as api:
+        (photo,) = api.get("/photos").json()["photos"]
+        assert (photo["tag_id"], photo["text"], photo["width"]) == (tag, "north wall", 1600)
+        assert abs(photo["taken_unix_s"] - time.time()) < 120.0

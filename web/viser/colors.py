@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 
 Rgb = tuple[int, int, int]
+ROBOTS = 12  # colours for them
 
 PALETTE_FILE = Path(__file__).parent.parent / "static" / "palette.css"
 _BLOCK = re.compile(r':root(?:\[data-theme="(\w+)"\])? \{(.*?)\n\}', re.DOTALL)
@@ -26,23 +28,30 @@ def _rgb(code: str) -> Rgb:
 
 
 THEMES: Mapping[str, Mapping[str, Rgb]] = read_palette(PALETTE_FILE.read_text())
-_DARK = THEMES["dark"]
 
-ROBOT_COLORS: tuple[Rgb, ...] = tuple(_DARK[f"robot-{k}"] for k in range(1, 13))
-GROUND = _DARK["unknown"]
-FLOOR = _DARK["floor"]
-WALL = _DARK["wall"]
-TAG = _DARK["tag"]
-DOUBTED_TAG = _DARK["doubted"]
-SILENT = _DARK["silent"]
-ALERT_COLORS: dict[str, Rgb] = {"warning": _DARK["warn"], "alarm": _DARK["danger"]}
-VICTIM_COLORS: dict[str, Rgb] = {
-    "suspected": _DARK["warn"],
-    "confirmed": _DARK["danger"],
-    "reached": _DARK["accent"],
-    "extricated": _DARK["good"],
-    "dismissed": SILENT,
-}
+
+@dataclass(frozen=True, slots=True)
+class Palette:
+    """The colours of a scene in one theme."""
+
+    theme: str = "dark"
+
+    def __getitem__(self, name: str) -> Rgb:
+        """Return the colour of that name in ``static/palette.css``."""
+        return THEMES[self.theme][name]
+
+    def robot(self, robot_id: str) -> Rgb:
+        """Return a robot's colour."""
+        return robot_color(robot_id, self.theme)
+
+    def alert(self, severity: str) -> Rgb:
+        """Return the colour of an alert by its severity."""
+        return self[{"warning": "warn", "alarm": "danger"}.get(severity, "silent")]
+
+    def victim(self, status: str) -> Rgb:
+        """Return the colour of a victim by its status."""
+        names = {"suspected": "warn", "confirmed": "danger", "reached": "accent", "extricated": "good"}
+        return self[names.get(status, "silent")]
 
 
 def robot_index(robot_id: str) -> int:
@@ -52,13 +61,13 @@ def robot_index(robot_id: str) -> int:
     """
     number = re.search(r"([0-9]{1,9})$", robot_id)
     if number and int(number[1]) > 0:
-        return (int(number[1]) - 1) % len(ROBOT_COLORS)
+        return (int(number[1]) - 1) % ROBOTS
     value = 0x811C9DC5
     for byte in robot_id.encode():
         value = ((value ^ byte) * 0x01000193) & 0xFFFFFFFF
-    return value % len(ROBOT_COLORS)
+    return value % ROBOTS
 
 
-def robot_color(robot_id: str) -> Rgb:
+def robot_color(robot_id: str, theme: str = "dark") -> Rgb:
     """Return the robot's colour, the same as on the console's plan (static/console/color.js)."""
-    return ROBOT_COLORS[robot_index(robot_id)]
+    return THEMES[theme][f"robot-{1 + robot_index(robot_id)}"]

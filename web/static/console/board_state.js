@@ -38,6 +38,10 @@ export class BoardState {
   links = [];
   /** @type {MapInfo | null} */
   map = null;
+  /** What was there before the mission. @type {MapInfo | null} */
+  baseMap = null;
+  /** Where the mission lies, once somebody has said. @type {import("./earth.js").Georeference | null} */
+  georeference = null;
   /** Kind in a board key -> what has an id of that kind. @type {Record<string, Map<string, any>>} */
   keyed = {
     robot: this.robots, trail: this.trails, tag: this.tags, victim: this.victims, annotation: this.annotations,
@@ -51,6 +55,8 @@ export class BoardState {
     this.evacuation = null;
     this.links = [];
     this.map = null;
+    this.baseMap = null;
+    this.georeference = null;
   }
 
   /**
@@ -67,5 +73,7 @@ export class BoardState {
     else if (kind === "evacuation") this.evacuation = value;
     else if (kind === "links") this.links = value?.pairs ?? [];
     else if (kind === "map") this.map = value;
+    else if (kind === "base_map") this.baseMap = value;
+    else if (kind === "georeference") this.georeference = value;
   }
 }

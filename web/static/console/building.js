@@ -13,9 +13,9 @@ export class Building {
   /**
    * @param {import("leaflet").Map} map
    * @param {Store} store
-   * @param {{of: () => MapInfo | null, isShown: () => boolean, layer?: string, onFree?: (free_m2: number) => void,
+   * @param {{of: () => MapInfo | null, isShown: () => boolean, layer?: string, pane?: string, onFree?: (free_m2: number) => void,
    *   paint?: (pixels: Uint8ClampedArray, palette: number[][]) => void}} source which map, whether it is the one that
-   *   is looked at, the layer it is if not the building itself, who wants to know how much floor is in it, and what colours it otherwise than as a building
+   *   is looked at, the layer it is if not the building itself and the pane for it, who wants to know how much floor is in it, and what colours it otherwise than as a building
    * @param {number} [pause_ms] shortest time between two pictures
    */
   constructor(map, store, source, pause_ms = SHORTEST_PAUSE_MS) {
@@ -94,7 +94,7 @@ export class Building {
     const bounds = [[y_m, x_m], [y_m + height * info.resolution_m, x_m + width * info.resolution_m]];
     if (this.overlay) this.overlay.setBounds(L.latLngBounds(bounds));
     else {
-      this.overlay = L.imageOverlay("", bounds, { pane: this.source.layer ? "layers" : "building" });
+      this.overlay = L.imageOverlay("", bounds, { pane: this.source.pane ?? (this.source.layer ? "layers" : "building") });
       this.overlay._image = canvas; // an image overlay makes its own <img> unless it has an element already
     }
     this.#place();

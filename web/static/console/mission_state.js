@@ -2,6 +2,7 @@
 
 import { missionPath, request } from "./api.js";
 import { missionClock, timeOfDay } from "./format.js";
+import { openGeoreference } from "./georeference.js";
 import { html } from "./vendor.js";
 
 /** @import {Mission} from "./types.js" */
@@ -53,6 +54,10 @@ export function MissionMenu({ store }) {
       ${(STEPS[mission.state] ?? []).map(([step, label, role]) => html`<button type="button" key=${step}
         disabled=${!store.may(role)} title=${store.may(role) ? "" : `For the role ${role}`}
         onClick=${() => take(store, step)}>${label}</button>`)}
+      ${!store.isOver && store.may("operator") && html`<button type="button" onClick=${(/** @type {any} */ event) => {
+        event.currentTarget.closest("details").open = false;
+        openGeoreference(store);
+      }}>Place on the Earth…</button>`}
       <a href="/missions">All missions</a>
     </div></details>`;
 }

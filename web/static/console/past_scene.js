@@ -1,5 +1,6 @@
 /** The past in 3D: while it is looked at, a scene of one's own lies over the live one and follows the moment. */
 
+import { shownTheme } from "../theme.js";
 import { missionPath } from "./api.js";
 
 /** @import {Store} from "./store.js" */
@@ -46,7 +47,7 @@ export class PastScene {
     this.root.append(this.cover);
     this.isWaiting = true;
     const scheme = location.protocol === "https:" ? "wss" : "ws";
-    const socket = new WebSocket(`${scheme}://${location.host}/api/v1${missionPath(missionId)}/history/view`);
+    const socket = new WebSocket(`${scheme}://${location.host}/api/v1${missionPath(missionId)}/history/view?theme=${shownTheme()}`);
     socket.onmessage = (event) => this.#receive(JSON.parse(event.data));
     socket.onclose = (event) => this.#say(`The past cannot be shown in 3D: ${event.reason || "the server does not answer"}. The plan shows it.`);
     this.socket = socket;
@@ -57,7 +58,7 @@ export class PastScene {
     if (scene) {
       const frame = document.createElement("iframe");
       frame.title = "The mission's past in 3D";
-      frame.src = `/viser/${encodeURIComponent(scene)}/?hideViserLogo&darkMode`;
+      frame.src = `/viser/${encodeURIComponent(scene)}/?hideViserLogo${shownTheme() === "dark" ? "&darkMode" : ""}`;
       this.cover?.replaceChildren(frame);
     }
     setTimeout(() => {

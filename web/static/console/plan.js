@@ -13,7 +13,7 @@ import { L } from "./vendor.js";
 
 /** @import {Store} from "./store.js" */
 
-const PANES = { ground: 150, building: 200, layers: 210, ink: 420, reports: 610, robots: 620 };
+const PANES = { ground: 150, base: 190, building: 200, layers: 210, ink: 420, reports: 610, robots: 620 };
 const POINT_PX = 12;
 const CLICK_PX = 18; // a finger is no pointer
 const CLOSE_ZOOM = 5.2; // about 37 pixels a metre: a room fills the view
@@ -61,6 +61,12 @@ export class Plan {
       isShown: () => !store.best.isShown && !store.past.board,
       onFree: (free_m2) => (store.exploredM2 = free_m2),
     });
+    this.base = new Building(this.map, store, {
+      of: () => store.board.baseMap,
+      isShown: () => true,
+      layer: "base",
+      pane: "base",
+    }, 0);
     this.past = new Building(this.map, store, {
       of: () => store.past.board?.map ?? null,
       isShown: () => store.past.board !== null,
@@ -96,6 +102,7 @@ export class Plan {
 
   update() {
     this.map.getContainer().classList.toggle("picking", this.isAsking());
+    this.base.update();
     this.building.update();
     this.best.update();
     this.layers.update();

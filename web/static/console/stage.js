@@ -1,6 +1,8 @@
 /** What lies over the plan: tools, layers, scale, cursor, north, and words when there is nothing to show. */
 
+import { northOf, toEarth, toMgrs } from "./earth.js";
 import { fixed } from "./format.js";
+import { GeoreferencePanel } from "./georeference.js";
 import { GroundKey } from "./ground.js";
 import { gridReference } from "./grid_reference.js";
 import { BestWords, MapSwitch } from "./map_switch.js";
@@ -27,9 +29,7 @@ export function PlanTools({ store, plan, onSelect }) {
       <${MeasureTool} store=${store} />
     </div>
     <div class="tools tools-right">
-      <svg class="north" viewBox="0 0 48 48" role="img" aria-label="North is to the right">
-        <circle cx="24" cy="24" r="22" /><path class="needle" d="M28 24 10 17 14 24 10 31Z" />
-        <text x="36" y="24.5">N</text></svg>
+      <${North} frame=${store.georeference} />
       <div class="tool-group" role="group" aria-label="Zoom">
         <button type="button" onClick=${() => plan.zoom(1)} aria-label="Zoom in" title="Zoom in (+)">+</button>
         <button type="button" onClick=${() => plan.zoom(-1)} aria-label="Zoom out" title="Zoom out (-)">−</button>
@@ -42,20 +42,37 @@ export function PlanTools({ store, plan, onSelect }) {
     <${GroundKey} layers=${plan.layers} store=${store} />
     <div class="readout">
       <${ScaleBar} scale=${plan.scale()} />
-      <${Coordinates} at=${plan.cursor ?? plan.middle()} tag=${plan.cursor?.tag} />
+      <${Coordinates} at=${plan.cursor ?? plan.middle()} tag=${plan.cursor?.tag} frame=${store.georeference} />
       ${noticeAt(plan, store) && html`<span class="tag-notice">${noticeAt(plan, store)}</span>`}
     </div>
     <${BestWords} store=${store} />
     <${NoteCard} store=${store} />
-    <${PlanWords} store=${store} />`;
+    <${GeoreferencePanel} store=${store} />
+    ${!store.placing && html`<${PlanWords} store=${store} />`}`;
+}
+
+/** @typedef {import("./earth.js").Georeference | null} Frame */
+
+/** Where north is: to the right until somebody has said where the mission lies. @param {{frame: Frame}} props */
+function North({ frame }) {
+  const turn = northOf(frame);
+  const [x, y] = [24 + 12 * Math.sin((turn * Math.PI) / 180), 24.5 - 12 * Math.cos((turn * Math.PI) / 180)];
+  const where = frame ? `North is ${Math.round(turn)} degrees clockwise from up` : "North is to the right";
+  return html`<svg class="north" viewBox="0 0 48 48" role="img" aria-label=${where}>
+    <circle cx="24" cy="24" r="22" /><path class="needle" d="M28 24 10 17 14 24 10 31Z" transform=${`rotate(${turn - 90} 24 24)`} />
+    <text x=${x} y=${y}>N</text></svg>`;
 }
 
 /**
  * Where the cursor is; without one, the middle of the plan.
- * @param {{at: {x_m: number, y_m: number}, tag?: string}} props
+ * @param {{at: {x_m: number, y_m: number}, tag?: string, frame: Frame}} props
  */
-const Coordinates = ({ at, tag }) => html`<span class="cursor"><b>${gridReference(at.x_m, at.y_m)}</b>
-  x ${fixed(at.x_m, 2)}  y ${fixed(at.y_m, 2)} m ${tag && html`<b>${tag}</b>`}</span>`;
+function Coordinates({ at, tag, frame }) {
+  const [lat, lon] = frame ? toEarth(frame, at.x_m, at.y_m) : [0, 0];
+  return html`<span class="cursor"><b>${gridReference(at.x_m, at.y_m)}</b>
+  x ${fixed(at.x_m, 2)}  y ${fixed(at.y_m, 2)} m ${tag && html`<b>${tag}</b>`}${
+    frame && html`<br/>${lat.toFixed(6)}, ${lon.toFixed(6)}  <b>${toMgrs(lat, lon)}</b>`}</span>`;
+}
 
 /**
  * What is wrong with the tag under the cursor, if anything.

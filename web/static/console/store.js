@@ -14,6 +14,7 @@ const LOST_AFTER_S = 10;
 /** Layers of the plan: name on screen and whether shown at first. */
 export const LAYERS = /** @type {const} */ ({
   map: ["Building", true],
+  base: ["Base map", true],
   own: ["Selected robot's own map", false],
   coverage: ["Coverage: near, cleared", false],
   radio: ["Radio: where robots were heard", false],
@@ -58,6 +59,8 @@ export class Store {
     this.notices = new Map();
     /** The photo that is open. @type {string | null} */
     this.photo = null;
+    /** What is being said of where the mission lies. @type {import("./georeference.js").Placing | null} */
+    this.placing = null;
     /** Photos that are being sent. */
     this.uploads = 0;
     this.exploredM2 = 0;
@@ -107,6 +110,7 @@ export class Store {
   get frontiers() { return this.board.frontiers; }
   get orders() { return this.board.orders; }
   get people() { return this.board.people; }
+  get georeference() { return this.board.georeference; }
   get responders() { return this.board.responders; }
   get photos() { return this.board.photos; }
   get links() { return this.board.links; }

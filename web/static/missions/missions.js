@@ -42,7 +42,7 @@ export async function act(what, work) {
     await work();
     await load();
   } catch (error) {
-    state.trouble = error instanceof ApiError ? error.message : String(error);
+    state.trouble = error instanceof Error ? error.message : String(error);
     announce(state.trouble);
   }
   state.busy = "";

@@ -2,6 +2,7 @@
 
 import { html } from "../console/vendor.js";
 import { goToScanned, goToTyped } from "./meant.js";
+import { TouchTags } from "./nfc_view.js";
 import { Scan } from "./scan.js";
 import { changed, state } from "./state.js";
 import { say } from "./texts.js";
@@ -13,7 +14,7 @@ export function Entry() {
     event.preventDefault();
     goToTyped(String(new FormData(/** @type {HTMLFormElement} */ (event.target)).get("id")));
   };
-  return html`${state.scanning ? html`<${Scan} onText=${goToScanned} />`
+  return html`<${TouchTags} />${state.scanning ? html`<${Scan} onText=${goToScanned} />`
     : html`<button type="button" onClick=${() => changed({ scanning: true, trouble: "" })}>${say("scan_label")}</button>`}
     <form onSubmit=${go}><label>${say("number_on_tag")}<input name="id" autocapitalize="characters" autocomplete="off"
       spellcheck="false" maxlength="100" required /></label><button type="submit">${say("where_am_i")}</button></form>`;

@@ -33,17 +33,18 @@ export function recordsIn(data) {
     if (data[at] !== RECORD_VERSION || end > data.length) break;
     const said = [...data.subarray(at, at + 5), ...data.subarray(at + HEAD, end)];
     if (crc16(said) === view.getUint16(at + 5)) {
-      found.push({ revision: view.getUint16(at + 1), content: data.subarray(at + HEAD, end - 8) });
+      const isSealed = data.subarray(end - 8, end).some((byte) => byte !== 0); // phones have no key, and leave it out
+      found.push({ revision: view.getUint16(at + 1), content: data.subarray(at + HEAD, end - 8), isSealed });
     }
     at = end;
   }
   return found;
 }
 
-/** Records in the payload of a chip, whole or in two halves written in turn. @param {Uint8Array} payload */
+/** Records in the payload of a chip, whole or in two halves written in turn; notes of phones lie behind. @param {Uint8Array} payload */
 export function recordsOnChip(payload) {
   const half = payload.length >> 1;
-  return [...recordsIn(payload).slice(0, 1), ...recordsIn(payload.subarray(half)).slice(0, 1)];
+  return [...recordsIn(payload), ...recordsIn(payload.subarray(half))];
 }
 
 /** Revisions wrap round (RFC 1982). @param {number} revision @param {number} than */
@@ -62,12 +63,17 @@ export function memoryIn(data) {
   return data.length ? newest(recordsIn(data), data[0]) : { condition: "empty", memory: null };
 }
 
-/** @param {{revision: number, content: Uint8Array}[]} records @param {number} first byte of where they were looked for @returns {Said} */
+/** @typedef {{revision: number, content: Uint8Array, isSealed: boolean}} Found */
+
+/** What robots sealed counts first; notes of phones come to it. @param {Found[]} records @param {number} first byte of where they were looked for @returns {Said} */
 function newest(records, first) {
   if (!records.length) return { condition: first === RECORD_VERSION || first === 0 ? "damaged" : "foreign", memory: null };
-  const { content } = records.reduce((a, b) => (isNewer(b.revision, a.revision) ? b : a));
+  const sealed = records.filter(({ isSealed }) => isSealed);
+  const { content } = (sealed.length ? sealed : records).reduce((a, b) => (isNewer(b.revision, a.revision) ? b : a));
   try {
-    return { condition: "read", memory: decodeMemory(content) };
+    const memory = decodeMemory(content);
+    for (const record of sealed.length ? records.filter(({ isSealed }) => !isSealed) : []) memory.notes.unshift(...decodeMemory(record.content).notes);
+    return { condition: "read", memory };
   } catch (error) {
     if (!(error instanceof BytesError)) throw error;
     return { condition: content[0] >> 6 === CONTENT_VERSION >> 6 ? "damaged" : "foreign", memory: null };

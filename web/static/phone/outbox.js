@@ -10,6 +10,8 @@ import { ask, missionPath, onReach, reach, reasonOf } from "./reach.js";
 
 const FIRST_MS = 1000;
 const LONGEST_MS = 60_000;
+const PHOTO_MS = 120_000; // of 300 kB over a bad link
+const REFUSALS = [404, 409, 413, 415, 422];
 /** @type {Record<string, number>} */
 const URGENCY = { mayday: 0, heard: 1, victim: 2, hazard: 3, note: 4, searched: 4, photo: 5, at: 6 };
 
@@ -105,18 +107,28 @@ async function flush() {
 
 const due = () => waiting().find(({ refused, due_ms }) => !refused && due_ms <= Date.now());
 
+/** @param {Report} report */
+function request(report) {
+  const { id, kind, body, made_by, phone_unix_s, offset_s } = report;
+  const path = missionPath(report.mission_id);
+  if (kind === "photo") {
+    const { picture, tag_id, text } = body;
+    const query = new URLSearchParams({ photo_id: id, tag_id, text, taken_unix_s: String(phone_unix_s + (offset_s ?? 0)) });
+    return ask("POST", `${path}/photos?${query}`, { headers: { "Content-Type": picture.type }, body: picture }, PHOTO_MS);
+  }
+  const words = { kind, made_by, phone_unix_s, offset_s, sent_phone_unix_s: Date.now() / 1000, ...body };
+  return ask("PUT", `${path}/reports/${id}`, { headers: { "Content-Type": "application/json" }, body: JSON.stringify(words) });
+}
+
 /** @param {Report} report @returns {Promise<boolean>} whether it makes sense to go on with the next */
 async function send(report) {
-  const { id, kind, body, made_by, phone_unix_s, offset_s } = report;
-  const words = { kind, made_by, phone_unix_s, offset_s, sent_phone_unix_s: Date.now() / 1000, ...body };
-  const headers = { "Content-Type": "application/json" };
-  const response = await ask("PUT", `${missionPath(report.mission_id)}/reports/${id}`, { headers, body: JSON.stringify(words) });
+  const response = await request(report);
   if (response?.ok) {
-    await forget(id);
+    await forget(report.id);
     changed();
     return true;
   }
-  if (response && [404, 409, 413, 422].includes(response.status)) {
+  if (response && REFUSALS.includes(response.status)) {
     report.refused = await reasonOf(response);
     await keep(report);
     return true;

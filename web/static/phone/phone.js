@@ -2,10 +2,13 @@
 
 import { html, render } from "../console/vendor.js";
 import { Alarm, lookForOrders, Mayday } from "./alarm.js";
+import { countSteps, placeNow } from "./between.js";
+import { askForSensors, needsAsking, watchCompass } from "./compass.js";
 import { Doubt, Entry } from "./entry.js";
 import { Guide } from "./guide.js";
 import { MemoryView } from "./memory_view.js";
 import { openOutbox } from "./outbox.js";
+import { PlanView } from "./plan.js";
 import { openPockets } from "./pockets.js";
 import { askWho, onReach } from "./reach.js";
 import { Word } from "./report.js";
@@ -32,10 +35,19 @@ function Page() {
     <p class="where">${where.text}${where.sd_m > 1 ? ` ${say("place_unsure", { far: metres(where.sd_m) })}` : ""}</p>
     ${where.notice && html`<p class="trouble">${where.notice}</p>`}
     ${where.victims.length > 0 && html`<h2>${say("lead_me_to")}</h2><ul>${where.victims.map(NearVictim)}</ul>`}
+    ${state.pocket && html`<${Between} /><${PlanView} />`}
     <${MemoryView} />
     <${Word} />
     <h2>${say("at_another_tag")}</h2><${Entry} />
     <p class="soft">${where.mission_name}</p><${Languages} />`;
+}
+
+/** How far the phone has come from the tag by its own steps. */
+function Between() {
+  const place = placeNow();
+  if (place) return html`<p>${say("steps", { n: place.steps, tag: state.tagId, far: metres(2 * place.sd_m) })}</p>`;
+  return needsAsking() && state.heading === null
+    && html`<button type="button" onClick=${askForSensors}>${say("use_compass")}</button>`;
 }
 
 /** Speaking another language. */
@@ -68,18 +80,14 @@ function here() {
   return /** @type {const} */ ([first === "t" ? decodeURIComponent(tag ?? "") : "", new URLSearchParams(location.search).get("mission")]);
 }
 
-addEventListener("deviceorientationabsolute", (event) => {
-  const { alpha } = /** @type {DeviceOrientationEvent} */ (event);
-  if (alpha === null) return;
-  state.heading = (360 - alpha) % 360;
-  if (state.route) changed();
-});
 addEventListener("popstate", () => touch(...here(), true));
 
 document.documentElement.lang = language();
 page.textContent = "";
 onChange(draw);
 onReach(changed);
+watchCompass(changed);
+countSteps(changed);
 await openPockets();
 const [tagId, mission] = here();
 if (tagId) touch(tagId, mission, true);

@@ -54,12 +54,13 @@ export const now_s = () => Date.now() / 1000 + (reach.offset_s ?? 0);
  * @param {string} method
  * @param {string} path under /api/v1
  * @param {{body?: BodyInit, headers?: Record<string, string>}} [more]
+ * @param {number} [timeout_ms]
  * @returns {Promise<Response | null>} the answer, whatever its status; null when there was none
  */
-export async function ask(method, path, more = {}) {
+export async function ask(method, path, more = {}, timeout_ms = TIMEOUT_MS) {
   const sent_ms = Date.now();
   try {
-    const response = await fetch(`/api/v1${path}`, { method, ...more, signal: AbortSignal.timeout(TIMEOUT_MS) });
+    const response = await fetch(`/api/v1${path}`, { method, ...more, signal: AbortSignal.timeout(timeout_ms) });
     learnTime(response.headers.get("Date"), sent_ms);
     note({ inReach: response.status < 502, isLoggedOut: response.status === 401 || (reach.isLoggedOut && response.status === 403) });
     return response.status < 502 ? response : null;

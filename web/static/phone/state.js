@@ -19,6 +19,7 @@ export const state = {
   /** What was read of the tag's memory. @type {(import("./memory.js").Said & {tagId: string, isFromChip: boolean}) | null} */ memory: null,
   called: false,
   scanning: false,
+  /** What was left last, as it stands in a chip. @type {{tagId: string, text: string} | null} */ word: null,
   /** A tag's link of another server that was touched or scanned. @type {{tagId: string, host: string} | null} */ foreign: null,
   /** Tags that a typed number may mean. @type {string[]} */ choices: [],
 };

@@ -21,6 +21,23 @@ export const DE = {
   camera_insecure: "Der Browser gibt die Kamera nur Seiten mit https. Tippen Sie die Nummer vom Etikett ein.",
   camera_broken: "Die Kamera geht nicht. Tippen Sie die Nummer vom Etikett ein.",
   reader_missing: "Der Leser für Codes war ohne Server nicht zu laden. Tippen Sie die Nummer vom Etikett ein.",
+  nfc_read: "Marken mit dem Telefon berühren",
+  nfc_reading: "Halten Sie die Rückseite des Telefons an eine Marke: Sie öffnet sich hier.",
+  nfc_instead: "Um eine Marke zu lesen, halten Sie die Rückseite des Telefons daran: Es bietet ihre Seite an. Tut es das nicht, scannen Sie das Etikett oder tippen Sie die Nummer.",
+  nfc_refused: "Marken durch Berühren zu lesen ist nicht erlaubt. Erlauben Sie es in den Einstellungen des Browsers, oder scannen Sie das Etikett.",
+  nfc_none: "Dieses Telefon kann Marken nicht durch Berühren lesen. Scannen Sie das Etikett oder tippen Sie die Nummer.",
+  nfc_off: "NFC ist ausgeschaltet. Schalten Sie es in den Einstellungen ein, oder scannen Sie das Etikett.",
+  nfc_unreadable: "Dieser Chip war nicht zu lesen. Halten Sie das Telefon still und berühren Sie ihn noch einmal.",
+  nfc_foreign: "Dieser Chip ist keine Marke von Waymark.",
+  nfc_empty: "Dieser Chip ist leer: Er wurde nicht für Waymark vorbereitet.",
+  nfc_write: "Auch in die Marke schreiben",
+  nfc_hold_still: "Halten Sie das Telefon jetzt still an Marke {tag}.",
+  nfc_written: "Es steht jetzt in Marke {tag}: Wer als Nächstes vorbeikommt, hat es ohne Netz.",
+  nfc_other_tag: "Das ist Marke {tag}. Berühren Sie Marke {wanted}, um dies zu schreiben.",
+  nfc_not_ours: "Dieser Chip enthält etwas anderes oder wurde nicht vorbereitet: Nichts wurde geschrieben. Ihr Wort bleibt auf dem Telefon.",
+  nfc_unreadable_here: "Dieses Telefon kann nicht lesen, was in der Marke steht, und hat nichts überschrieben. Ihr Wort bleibt auf dem Telefon.",
+  nfc_full: "In der Marke ist kein Platz mehr: Nichts wurde geschrieben. Ihr Wort bleibt auf dem Telefon.",
+  nfc_torn: "Das Schreiben brach ab. Berühren Sie Marke {tag} noch einmal und halten Sie still.",
   not_a_tag: "Dieser Code ist keine Marke von Waymark. Er sagt: {text}",
   label_foreign: "Vorsicht: Dieses Etikett gehört zu einem anderen Server, {host}. Seine Marke {tag} ist vielleicht nicht unsere.",
   open_anyway: "Unsere {tag} öffnen",
@@ -93,6 +110,14 @@ export const DE = {
   leg_unsure: "Dieses Stück ist unsicher: Länge und Richtung sind nur geschätzt.",
   progress: "Wie weit Sie gekommen sind",
   say_it: "Vorlesen",
+
+  // between tags
+  steps: {
+    one: "Ein Schritt von Marke {tag}, vom Telefon gezählt; auf {far} genau.",
+    other: "{n} Schritte von Marke {tag}, vom Telefon gezählt; auf {far} genau.",
+  },
+  use_compass: "Kompass und Schrittzähler benutzen",
+  plan_label: "Plan um Marke {tag}, Norden oben",
 
   // what a tag's memory says
   memory: "Im Speicher dieser Marke",

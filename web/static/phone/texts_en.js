@@ -20,6 +20,23 @@ export const EN = {
   camera_insecure: "The browser keeps the camera for pages with https. Type the number on the label.",
   camera_broken: "The camera does not work. Type the number on the label.",
   reader_missing: "The reader of codes could not be loaded without the server. Type the number on the label.",
+  nfc_read: "Touch tags with this phone",
+  nfc_reading: "Hold the phone's back to a tag: it opens here.",
+  nfc_instead: "To read a tag by touch, hold the phone's back to it: the phone offers its page. Where it does not, scan the label or type its number.",
+  nfc_refused: "Reading tags by touch is not allowed. Allow it in the browser's settings for this page, or scan the label.",
+  nfc_none: "This phone cannot read tags by touch. Scan the label or type its number.",
+  nfc_off: "NFC is switched off. Switch it on in the phone's settings, or scan the label.",
+  nfc_unreadable: "That chip could not be read. Hold the phone still and touch it again.",
+  nfc_foreign: "That chip is no tag of Waymark.",
+  nfc_empty: "That chip is empty: it was not made ready for Waymark.",
+  nfc_write: "Write it into the tag too",
+  nfc_hold_still: "Hold the phone still at tag {tag} now.",
+  nfc_written: "It stands in tag {tag} now: who passes next has it without any signal.",
+  nfc_other_tag: "That is tag {tag}. Touch tag {wanted} to write this.",
+  nfc_not_ours: "This chip holds something else, or was not made ready: nothing was written. Your word is kept on the phone.",
+  nfc_unreadable_here: "This phone cannot read what the tag holds, so nothing was written over it. Your word is kept on the phone.",
+  nfc_full: "The tag has no room left: nothing was written. Your word is kept on the phone.",
+  nfc_torn: "Writing was cut short. Touch tag {tag} again and hold still.",
   not_a_tag: "That code is no tag of Waymark. It says: {text}",
   label_foreign: "Take care: this label is for another server, {host}. Its tag {tag} may not be ours.",
   open_anyway: "Open our {tag}",
@@ -92,6 +109,14 @@ export const EN = {
   leg_unsure: "This piece is uncertain: length and direction are but a guess.",
   progress: "How far you have come",
   say_it: "Say it",
+
+  // between tags
+  steps: {
+    one: "One step from tag {tag} by this phone's own count; right to {far}.",
+    other: "{n} steps from tag {tag} by this phone's own count; right to {far}.",
+  },
+  use_compass: "Use compass and step counter",
+  plan_label: "Plan round tag {tag}, north up",
 
   // what a tag's memory says
   memory: "In this tag's memory",

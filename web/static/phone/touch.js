@@ -1,5 +1,6 @@
 /** A tag was read: answer from what the phone carries, at once; then ask for the newest. */
 
+import { begin } from "./between.js";
 import { askMemory } from "./memory_view.js";
 import { add, onOutbox, waiting } from "./outbox.js";
 import { keptOf, missionOf, missions, open, refresh, refreshAll } from "./pockets.js";
@@ -59,6 +60,7 @@ export async function touch(tagId, mission = null, isBack = false) {
   if (!tagId) return;
   remember(LAST, { tag: tagId, before });
   answer();
+  begin();
   changed();
   if (!state.where) await askServer();
   else if (reach.inReach !== false) await renew();
@@ -115,6 +117,7 @@ async function askServer() {
     changed({ where: found, as_of_s: null });
     await refresh(found.mission_id);
     answer();
+    begin();
     changed();
     return;
   }

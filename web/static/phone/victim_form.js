@@ -45,7 +45,8 @@ export class VictimForm extends Component {
     event.preventDefault();
     const { live, dead, text, start } = this.state;
     await add("victim", missionId(), { tag_id: state.tagId, live, dead, text: text.trim(), start });
-    changed({ form: "", said: say("left_at", { kind: say("kind_victim"), tag: state.tagId }), trouble: "" });
+    const word = { tagId: state.tagId, text: `victim: L-${live} D-${dead} ${text.trim()}`.trim() };
+    changed({ form: "", word, said: say("left_at", { kind: say("kind_victim"), tag: state.tagId }), trouble: "" });
   }
 
   render() {
