@@ -64,13 +64,25 @@ export async function add(kind, missionId, body) {
   const report = { id: newId(), n, mission_id: missionId, kind, body, made_by: reach.me?.name ?? "", phone_unix_s: Date.now() / 1000,
     offset_s: reach.offset_s, tries: 0, due_ms: 0, refused: "", is_kept: true };
   if (kind === "at") { // only the last place counts
-    for (const old of reports.values()) if (old.kind === "at" && old.mission_id === missionId) await forget(old.id);
+    for (const old of reports.values()) if (old.kind === "at" && old.mission_id === missionId && old.made_by === report.made_by) await forget(old.id);
   }
   reports.set(report.id, report);
   await keep(report);
   changed();
   flush();
   return report;
+}
+
+/** Take over what another phone could not send; sent by both it counts once. @param {Report[]} others */
+export async function adopt(others) {
+  for (const report of others) {
+    if (reports.has(report.id)) continue;
+    report.n = Math.max(0, ...[...reports.values()].map(({ n }) => n)) + 1;
+    reports.set(report.id, report);
+    await keep(report);
+  }
+  changed();
+  flush();
 }
 
 /** @param {Report} report */
