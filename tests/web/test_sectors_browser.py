@@ -47,7 +47,7 @@ def test_a_sector_is_drawn_assigned_judged_and_opened_again(page: Page, host: st
             page.locator("#plan").click(position={"x": x, "y": y})
         expect(panel.get_by_text("4 so far")).to_be_visible()
         panel.get_by_label("Name").fill("<b>B2</b>")
-        panel.get_by_role("button", name="Close the sector").click()
+        panel.get_by_role("button", name="Close the sector", exact=True).click()
         expect(panel.get_by_role("heading", name="Sector <b>B2</b>")).to_be_visible(timeout=SOON_MS)
         panel.get_by_label("Team of people").fill("AUS01")
         panel.get_by_label("Team of people").press("Tab")
