@@ -56,6 +56,6 @@ export function textOf({ kind, body, made_by, phone_unix_s, offset_s }) {
 function Waiting(report) {
   return html`<li key=${report.id} class="waiting"><p>${textOf(report)}</p>
     ${report.refused && html`<p class="trouble">${report.refused}</p>
-      <div class="row"><button type="button" onClick=${sendNow}>${say("try_again")}</button>
+      <div class="row"><button type="button" onClick=${() => sendNow(true)}>${say("try_again")}</button>
       <button type="button" onClick=${async () => { await forget(report.id); changed(); }}>${say("throw_away")}</button></div>`}</li>`;
 }
