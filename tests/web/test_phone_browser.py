@@ -201,3 +201,49 @@ def test_a_photo_waits_for_signal_like_any_report(field: Field, context: Browser
         (photo,) = api.get("/photos").json()["photos"]
         assert (photo["tag_id"], photo["text"], photo["width"]) == (tag, "north wall", 1600)
         assert abs(photo["taken_unix_s"] - time.time()) < 120.0
+
+
+SMALL = """() => {
+  const all = [...document.querySelectorAll("body *")];
+  const shown = all.filter((e) => e.checkVisibility() && !e.closest(".unseen"));
+  const named = (found) => found.map((e) => e.outerHTML.slice(0, 80));
+  const low = shown.filter((e) => e.matches("button, .button, input:not(.unseen), select"));
+  const text = shown.filter((e) => [...e.childNodes].some((n) => n.nodeType === 3 && n.data.trim()));
+  return {
+    low: named(low.filter((e) => e.getBoundingClientRect().height < 64)),
+    small: named(text.filter((e) => parseFloat(getComputedStyle(e).fontSize) < 20)),
+    wide: document.documentElement.scrollWidth - innerWidth,
+  };
+}"""
+TURNED = """(alpha) => dispatchEvent(Object.assign(new Event("deviceorientationabsolute"), { alpha }))"""
+
+
+def test_without_a_compass_the_tag_behind_leads_and_with_one_the_arrow_turns(
+    field: Field, page: Page
+) -> None:
+    a = field.links[0][0]
+    with field.api as api:
+        tags = [tag["tag_id"] for tag in api.get("/tags").json()["tags"]]
+        ways = {c: api.get("/routes", params={"from": a, "to": f"tag:{c}"}).json() for c in tags}
+    c = next(c for c, way in ways.items() if len(way.get("legs", ())) > 1)
+    page.goto(f"{field.home}/t/{a}")
+    expect(page.get_by_text(f"You are at tag {a}.")).to_be_visible(timeout=SOON_MS)
+    goal = {"mission": "drill", "to": f"tag:{c}", "whole_m": 0}
+    page.evaluate("(goal) => localStorage.setItem('waymark.target', JSON.stringify(goal))", goal)
+    page.reload()
+    guide = page.locator(".go")
+    expect(guide).to_contain_text("The arrow points as on a map with north up.", timeout=SOON_MS)
+    following = guide.get_by_role("link")
+    tag = following.inner_text().removeprefix("I am at ")
+    following.click()
+    expect(page.get_by_role("heading", level=1)).to_have_text(f"Tag {tag}")
+    expect(guide).to_contain_text(
+        re.compile(rf"(Keep {a} behind you|With {a} behind you, turn|Go back towards {a})")
+    )
+    assert page.evaluate(SMALL) == {"low": [], "small": [], "wide": 0}
+    arrow = guide.locator("svg g")
+    bearing = float(re.search(r"(\d+) degrees", guide.locator("svg").get_attribute("aria-label") or "")[1])
+    page.evaluate(TURNED, 90)  # the phone's top points west
+    turn = float(re.search(r"rotate\(([-\d.]+)", arrow.get_attribute("transform") or "")[1])
+    assert abs(turn - (bearing - 270)) <= 0.5
+    expect(guide).not_to_contain_text("behind you")
