@@ -18,7 +18,7 @@ from robots.exploration.explorer import Explorer
 from robots.exploration.strategy import AnswersTags, PlansLocally
 from robots.exploration.team.communication import Communication
 from robots.exploration.told.claims import PlaceOf
-from robots.exploration.told.witness import Witness
+from robots.exploration.told.witness import Witness, victims_near
 from robots.mapping.fused import FusedGrid
 from robots.mapping.local_grid import LocalGrid
 from robots.orders import RobotOrder
@@ -29,6 +29,7 @@ from robots.tags.marks import key_of
 from robots.tags.memory import TagMemory, TagMemoryError
 from robots.tags.sealed import close_memory, open_memory
 from robots.types import FrontierReport, LaserScan, Suspect, TagSighting, TagWrite
+from robots.victims import KnownVictim
 
 _TELL_EVERY_S = 1.0
 
@@ -61,10 +62,11 @@ class Situation:
     tags_left: int | None = None  # in the magazine
     orders: tuple[RobotOrder, ...] = ()
     suspects: tuple[Suspect, ...] = ()  # what may be a victim
+    victims: tuple[KnownVictim, ...] = ()
     read: tuple[TagSighting, ...] = ()
     heard: tuple[bytes, ...] = ()  # messages of the team
     tag_place: PlaceOf = _no_place
-    tag_sd_m: float = 0.0  # of the places of tags
+    tag_sd_m: float = 0.0  # of the places of the tags read now
     tag_places: Callable[[], Sequence[tuple[float, float]]] = tuple
     own_map: Callable[[], Sequence[TagBelief]] = tuple
 
@@ -164,7 +166,6 @@ class Scout:
             say = self._communication.say(
                 now.stamp_s, now.pose, self.decision.goal_m, whole, now.scan.range_max_m, busy
             )
-        self.explorer.claims.tag_sd_m = now.tag_sd_m
         for sighting in now.read:
             self._hear(now, sighting)
         writes = tuple(self._writes(now, sighting) for sighting in now.read)
@@ -203,7 +204,7 @@ class Scout:
         except TagMemoryError:
             return
         if says.trusted:
-            self.explorer.claims.hear(sighting.tag_id, says.memory, now.stamp_s)
+            self.explorer.claims.hear(sighting.tag_id, says.memory, now.stamp_s, now.tag_sd_m)
 
     def _writes(self, now: Situation, sighting: TagSighting) -> TagWrite | None:
         """Leave in the tag what is known round it, and where the others are, merged with what it said."""
@@ -235,7 +236,8 @@ class Scout:
             return TagMemory.empty()
         grid = self.explorer.grids.own.of(now.fused, np.zeros((0, 3)))
         trail_m, goal_m = self.explorer.trail.points, self.decision.goal_m
-        return self._witness.about(tag_id, place, said, grid, trail_m, goal_m, now.stamp_s)
+        seen = self._witness.about(tag_id, place, said, grid, trail_m, goal_m, now.stamp_s)
+        return replace(seen, victims=victims_near(now.victims, place))
 
     def _map_to_leave(self, now: Situation) -> tuple[WriterMap, ...]:
         if not self.config.map_memory or now.seq is None:

@@ -18,6 +18,7 @@ from robots.tags.sealed import open_memory
 from robots.types import Observation, TagWrite
 from server.mission.chip_notes import ChipNotes
 from server.mission.events import Events
+from server.mission.told_victims import ToldVictims
 
 log = structlog.get_logger()
 
@@ -26,13 +27,20 @@ class Memories:
     """Tag memories by tag id; ``key`` is the mission's, which seals them."""
 
     def __init__(
-        self, store: Store, mission_id: str, key: bytes, events: Events, chip_notes: ChipNotes
+        self,
+        store: Store,
+        mission_id: str,
+        key: bytes,
+        events: Events,
+        chip_notes: ChipNotes,
+        victims: ToldVictims,
     ) -> None:
         self._store = store
         self._mission_id = mission_id
         self._key = key
         self._events = events
         self._chip_notes = chip_notes
+        self._victims = victims
         self._told: dict[str, bytes] = {}  # memories that were not kept, by tag: what was told of already
 
     async def of(self, tag_id: str) -> bytes | None:
@@ -54,7 +62,9 @@ class Memories:
         Raises:
             TagMemoryError: the bytes are no memory, or without the mission's seal.
         """
-        await self._merge(tag_id, self._believed(tag_id, records), by)
+        memory = self._believed(tag_id, records)
+        await self._merge(tag_id, memory, by)
+        await self._victims.hear(tag_id, memory.victims)
         return await self.of(tag_id) or b""
 
     async def keep_read(self, robot_id: str, observations: Iterable[Observation]) -> None:
@@ -63,7 +73,9 @@ class Memories:
         for tag_id, records in sorted(read):
             try:
                 await self._chip_notes.take(tag_id, records)
-                await self._merge(tag_id, self._believed(tag_id, records), robot_id)
+                memory = self._believed(tag_id, records)
+                await self._merge(tag_id, memory, robot_id)
+                await self._victims.hear(tag_id, memory.victims)
             except TagMemoryError as error:
                 if self._told.get(tag_id) != records:
                     self._told[tag_id] = records
