@@ -1,9 +1,9 @@
 """Do robots end well? Runs to the end of robots in each other's way: who stood still, who was done too early.
 
 Offices and halls; bricks that no laser sees; glass, behind which maps show what was never seen, since a beam
-that meets it comes back far; tags that are off by 0.3 m; robots that hear each other. A robot is stuck when it
-means to drive and makes no way for a minute; its end is false when it says it is done with a square metre in
-one piece left that it could have seen.
+that meets it comes back far; tags that are off by 0.3 m; robots that hear each other. A robot is stuck when
+it means to drive and makes no way for a minute; its end is false when it says it is done with a square metre
+in one piece left that it could have seen.
 """
 
 from __future__ import annotations

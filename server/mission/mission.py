@@ -94,7 +94,7 @@ class Mission:
             chip_notes,
         )  # fmt: skip
         told = ToldVictims(self.board, self.victims)
-        self.memories = Memories(store, mission_id, tag_key, self.events, chip_notes, told)
+        self.memories = Memories(store, mission_id, tag_key, self.events, self.alerts, chip_notes, told)
         self.nodes = Nodes(store, mission_id, self.board, self.alerts)
         self._tasks = Tasks(mission_id)
         self.roster = Roster(record, store, forks, self.board, self.alerts, self._tasks)
