@@ -18,6 +18,7 @@ from robots.exploration.explorer import Explorer
 from robots.exploration.strategy import AnswersTags, PlansLocally
 from robots.exploration.team.communication import Communication
 from robots.exploration.told.claims import PlaceOf
+from robots.exploration.told.hearsay import Hearsay
 from robots.exploration.told.witness import Witness
 from robots.mapping.fused import FusedGrid
 from robots.mapping.local_grid import LocalGrid
@@ -99,6 +100,7 @@ class Scout:
         self.explorer.claims.own = key_of(robot_id)
         self._dropper = TagDropper(config.deployment, config.mapping, (config.seed, own, 2))
         self._witness = Witness(robot_id, config.planning.min_frontier_m)
+        self._hearsay = Hearsay()
         self._local: LocalGrid | None = None
         self.decision = Decision(0.0, 0.0, "starting", "waiting for the first scan")
         self.frontiers: tuple[FrontierReport, ...] = ()
@@ -167,6 +169,8 @@ class Scout:
         self.explorer.claims.tag_sd_m = now.tag_sd_m
         for sighting in now.read:
             self._hear(now, sighting)
+        if now.read and now.tag_sd_m == 0.0:
+            self._hearsay.draw(self.explorer.claims.tags(now.tag_place))
         writes = tuple(self._writes(now, sighting) for sighting in now.read)
         return Intent(self.decision, drop, tuple(w for w in writes if w is not None), say, doubts)
 
@@ -235,7 +239,15 @@ class Scout:
             return TagMemory.empty()
         grid = self.explorer.grids.own.of(now.fused, np.zeros((0, 3)))
         trail_m, goal_m = self.explorer.trail.points, self.decision.goal_m
-        return self._witness.about(tag_id, place, said, grid, trail_m, goal_m, now.stamp_s)
+        heard = self._heard_of(now, place, said)
+        said = said.merge(heard)
+        return heard.merge(self._witness.about(tag_id, place, said, grid, trail_m, goal_m, now.stamp_s))
+
+    def _heard_of(self, now: Situation, place: tuple[float, float], said: TagMemory) -> TagMemory:
+        """Return what other tags said of the ground round a tag, where places are known without error."""
+        if now.tag_sd_m > 0.0:
+            return TagMemory.empty()
+        return self._hearsay.about(place, self._witness.phase_at(place, said))
 
     def _map_to_leave(self, now: Situation) -> tuple[WriterMap, ...]:
         if not self.config.map_memory or now.seq is None:

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from robots.config import PlanningConfig
 from robots.exploration.frontiers import Frontier
-from robots.exploration.told.claims import KnownTag, Survey
+from robots.exploration.told.claims import KnownTag
+from robots.exploration.told.survey import Survey
 from robots.planning.plan_grid import PlanGrid
 from robots.se2 import Array, Pose2
 from robots.tags.memory import TagMemory

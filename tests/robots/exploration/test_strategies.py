@@ -9,7 +9,7 @@ from robots.exploration.strategies.information_gain import InformationGain
 from robots.exploration.strategies.nearest import Nearest
 from robots.exploration.strategies.waymark import Waymark
 from robots.exploration.strategy import ExplorationView
-from robots.exploration.told.claims import Survey
+from robots.exploration.told.survey import Survey
 from robots.se2 import Pose2
 from robots.tags.memory import CLOSED, OPEN
 
