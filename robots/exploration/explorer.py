@@ -212,6 +212,7 @@ class Explorer:
             trail=self.trail.points,
             path_m=np.zeros((0, 2)) if self._aim is None else rest_of(self._aim.path, ground.pose),
             tags=self.claims.tags(place_of),
+            tag_reach_m=self.claims.reach_m,
             battery=1.0 if battery is None else battery,
             settings=self._config.planning,
         )
@@ -219,13 +220,12 @@ class Explorer:
     def _finish(self, ground: Ground, left: tuple[Frontier, ...], now_s: float) -> Aim:
         """Nothing is left to go to now: return to the base, out of the others' way."""
         again_s = self.goals.waiting(left, now_s)
-        edges = "1 edge" if len(left) == 1 else f"{len(left)} edges"
+        edges, is_ = ("1 edge", "is") if len(left) == 1 else (f"{len(left)} edges", "are")
         if again_s is not None:
             why = f"{edges} of the unknown could not be seen beyond yet; trying again in {again_s:.0f} s"
             aim = self.homing.aim(ground, why)
             return Aim(aim.kind, "returning", aim.reason, aim.goal_m, aim.path)
         if left:
-            is_ = "is" if len(left) == 1 else "are"
             return self.homing.aim(ground, f"{edges} of the unknown {is_} left that I could not see beyond")
         return self.homing.aim(ground, "no edge of the unknown is left that I can reach")
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from math import inf
+from math import hypot, inf
 from zlib import crc32
 
 import numpy as np
@@ -207,7 +207,10 @@ class Scout:
         except TagMemoryError:
             return
         if says.trusted:
-            self.explorer.claims.hear(sighting.tag_id, says.memory, now.stamp_s)
+            claims, place = self.explorer.claims, now.tag_place(sighting.tag_id)
+            claims.hear(sighting.tag_id, says.memory, now.stamp_s)
+            if place is not None:
+                claims.reach_m = max(claims.reach_m, hypot(place[0] - now.pose.x, place[1] - now.pose.y))
 
     def _writes(self, now: Situation, sighting: TagSighting) -> TagWrite | None:
         """Leave in the tag what is known round it, and where the others are, merged with what it said."""

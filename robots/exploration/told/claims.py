@@ -48,6 +48,7 @@ class Claims:
     def __init__(self) -> None:
         self.own: int | None = None  # the key by which tags know this robot: its own goals are no news
         self.tag_sd_m = 0.0  # of the places where tags are believed
+        self.reach_m = 0.0  # the farthest off that a tag was read
         self._memories: dict[str, TagMemory] = {}
         self._read_s: dict[str, float] = {}
 
