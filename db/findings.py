@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import asdict, fields
 from typing import Any
 
-from sqlalchemy import Connection, and_, delete, insert, select, update
+from sqlalchemy import Connection, and_, delete, func, insert, select, update
 
 from db import tables
 from db.engine import Database, upsert
@@ -99,6 +99,17 @@ class FindingStore:
         return await self._database.read(
             lambda c: _events(c, query.order_by(tables.events.c.event_id).limit(limit))
         )
+
+    async def alarms_of(self, mission_id: str) -> dict[str, int]:
+        """Return how many events of each kind were a warning or an alarm."""
+        table = tables.events
+        query = (
+            select(table.c.kind, func.count())
+            .where(table.c.mission_id == mission_id, table.c.severity != "info")
+            .group_by(table.c.kind)
+            .order_by(table.c.kind)
+        )
+        return await self._database.read(lambda c: {row[0]: row[1] for row in c.execute(query)})
 
     async def latest_events(self, mission_id: str, limit: int) -> list[EventRecord]:
         """Return the latest ``limit`` events, oldest first."""

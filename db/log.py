@@ -6,6 +6,8 @@ from collections.abc import AsyncIterator, Sequence
 from functools import partial
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
 from sqlalchemy import ColumnElement, Connection, Select, and_, func, select, update
 
 from db.engine import Database, insert_missing, upsert
@@ -62,6 +64,13 @@ class LogStore:
         query = select(observations).where(_of(mission_id, robot_id)).order_by(observations.c.seq.desc())
         found = await self._database.read(lambda c: _records(c, query.limit(1)))
         return found[0] if found else None
+
+    async def arrivals(self, mission_id: str, robot_id: str) -> NDArray[np.float64]:
+        """Return seq, stamp in seconds and Unix time of receipt of all observations, in order: (n, 3)."""
+        columns = (observations.c.seq, observations.c.stamp_s, observations.c.received_unix_s)
+        query = select(*columns).where(_of(mission_id, robot_id)).order_by(observations.c.seq)
+        rows = await self._database.read(lambda c: [tuple(row) for row in c.execute(query)])
+        return np.array(rows, np.float64).reshape(-1, 3)
 
     async def record_fault(self, mission_id: str, robot_id: str, seq: int, fault: str) -> None:
         """Mark an observation that the agent cannot take."""

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
+from dataclasses import asdict, fields
 
-from sqlalchemy import Connection, Row, and_, insert, select, update
+from sqlalchemy import Connection, Row, and_, delete, insert, select, update
 
-from db.engine import Database
+from db.engine import Database, insert_missing, upsert
+from db.mission_records import EndingRecord, ProgressRecord
+from db.mission_tables import endings, progress
 from db.records import MissionRecord, RobotRecord, StartPoseRecord
 from db.tables import missions, robots
 
@@ -31,6 +33,48 @@ class MissionStore:
             return [MissionRecord(**row._mapping) for row in rows]
 
         return await self._database.read(query)
+
+    async def record_state(self, mission: MissionRecord) -> None:
+        """Keep a mission's state, and who has put it there when."""
+        names = ("state", "state_by", "state_unix_s", "started_unix_s", "ran_s")
+        values = {name: getattr(mission, name) for name in names}
+        chosen = missions.c.mission_id == mission.mission_id
+        await self._database.write(
+            lambda c: c.execute(update(missions).where(chosen).values(values)), durable=True
+        )
+
+    async def record_ending(self, mission_id: str, ending: EndingRecord | None) -> None:
+        """Keep what is left of a mission that was closed; None when it goes on."""
+
+        def work(connection: Connection) -> None:
+            if ending is None:
+                connection.execute(delete(endings).where(endings.c.mission_id == mission_id))
+            else:
+                upsert(connection, endings, [{"mission_id": mission_id, **asdict(ending)}])
+
+        await self._database.write(work, durable=True)
+
+    async def ending_of(self, mission_id: str) -> EndingRecord | None:
+        """Return what is left of a mission; None where it has not ended."""
+
+        def query(connection: Connection) -> EndingRecord | None:
+            row = connection.execute(select(endings).where(endings.c.mission_id == mission_id)).first()
+            return None if row is None else EndingRecord(row.ended_unix_s, row.board, row.grid)
+
+        return await self._database.read(query)
+
+    async def record_progress(self, mission_id: str, sample: ProgressRecord) -> None:
+        """Keep how far a mission is."""
+        row = {"mission_id": mission_id, **asdict(sample)}
+        await self._database.write(lambda c: insert_missing(c, progress, [row]))
+
+    async def progress_of(self, mission_id: str) -> list[ProgressRecord]:
+        """Return how a mission got on, in order of time."""
+        names = [progress.c[item.name] for item in fields(ProgressRecord)]
+        query = select(*names).where(progress.c.mission_id == mission_id).order_by(progress.c.unix_s)
+        return await self._database.read(
+            lambda c: [ProgressRecord(**row._mapping) for row in c.execute(query)]
+        )
 
     async def register_robot(self, robot: RobotRecord) -> None:
         """Add a robot whose id is not taken yet in its mission."""

@@ -29,6 +29,6 @@ class OrderStore:
         def query(connection: Connection) -> list[OrderRecord]:
             chosen = select(*columns).where(orders.c.mission_id == mission_id)
             rows = connection.execute(chosen.order_by(orders.c.issued_unix_s, orders.c.order_id))
-            return [OrderRecord(**row._mapping) for row in rows]
+            return [OrderRecord.of(dict(row._mapping)) for row in rows]
 
         return await self._database.read(query)

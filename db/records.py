@@ -9,6 +9,7 @@ from robots.orders import OrderKind, OrderState
 
 AgentPlace = Literal["server", "onboard"]
 SilencePolicy = Literal["hold", "go_on", "return"]
+MissionState = Literal["draft", "running", "paused", "closed", "archived"]
 TagState = Literal["sound", "moved", "cloned", "doubtful"]
 AnnotationKind = Literal["note", "hazard", "searched", "victim"]
 Severity = Literal["info", "warning", "alarm"]
@@ -21,14 +22,30 @@ AlertKind = Literal[
 
 @dataclass(frozen=True, slots=True)
 class MissionRecord:
-    """A mission: one place, one team of robots, one map."""
+    """A mission: one place, one team of robots, one map.
+
+    ``state_by`` has put it into its state at ``state_unix_s``; ``ran_s``: how long it ran before that.
+    """
 
     mission_id: str
     name: str
-    state: str
+    state: MissionState
     created_unix_s: float
     stopped_all: bool = False
     tag_key: str = ""  # hexadecimal; seals what is written into the mission's tags
+    state_by: str = ""
+    state_unix_s: float = 0.0
+    started_unix_s: float | None = None
+    ran_s: float = 0.0
+
+    @property
+    def is_over(self) -> bool:
+        """Whether it is read and no longer changed."""
+        return self.state in ("closed", "archived")
+
+    def duration_s(self, now_unix_s: float) -> float:
+        """Return how long it has been running in all."""
+        return self.ran_s + (max(0.0, now_unix_s - self.state_unix_s) if self.state == "running" else 0.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -213,3 +230,9 @@ class OrderRecord:
     communication: str = ""
     state: OrderState = "issued"
     text: str = ""
+    area_m: tuple[tuple[float, float], ...] = ()
+
+    @classmethod
+    def of(cls, value: dict[str, Any]) -> OrderRecord:
+        """Return it of its plain values, as they are stored."""
+        return cls(**{**value, "area_m": tuple((float(x), float(y)) for x, y in value["area_m"])})

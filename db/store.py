@@ -8,11 +8,16 @@ from db.alerts import AlertStore
 from db.engine import Database
 from db.findings import FindingStore
 from db.graphs import GraphStore
+from db.history import HistoryStore
 from db.log import LogStore
 from db.missions import MissionStore
 from db.nodes import NodeStore
 from db.orders import OrderStore
 from db.people import PeopleStore
+from db.photos import PhotoStore
+from db.places import PlaceStore
+from db.reports import ReportStore
+from db.sectors import SectorStore
 from db.tags import TagStore
 
 
@@ -29,7 +34,12 @@ class Store:
         self.alerts = AlertStore(database)
         self.orders = OrderStore(database)
         self.findings = FindingStore(database)
+        self.places = PlaceStore(database)
+        self.sectors = SectorStore(database)
+        self.photos = PhotoStore(database)
         self.people = PeopleStore(database)
+        self.reports = ReportStore(database)
+        self.history = HistoryStore(database)
 
     @classmethod
     async def open(cls, target: str | Path) -> Store:

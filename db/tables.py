@@ -30,10 +30,14 @@ missions = Table(
     metadata,
     Column("mission_id", ID, primary_key=True),
     Column("name", Text, nullable=False),
-    Column("state", String(20), nullable=False),
+    Column("state", String(20), nullable=False),  # draft | running | paused | closed | archived
     Column("created_unix_s", Float, nullable=False),
     Column("stopped_all", Boolean, nullable=False),
     Column("tag_key", String(64), nullable=False, server_default=""),
+    Column("state_by", String(200), nullable=False, server_default=""),
+    Column("state_unix_s", Float, nullable=False, server_default="0"),
+    Column("started_unix_s", Float),
+    Column("ran_s", Float, nullable=False, server_default="0"),
 )
 
 robots = Table(
@@ -223,6 +227,22 @@ annotations = Table(
     _of_mission(),
 )
 
+reports = Table(
+    "reports",
+    metadata,
+    Column("mission_id", ID, primary_key=True),
+    Column("report_id", String(36), primary_key=True),
+    Column("kind", String(20), nullable=False),
+    Column("by", String(200), nullable=False),
+    Column("made_unix_s", Float, nullable=False),
+    Column("received_unix_s", Float, nullable=False),
+    Column("phone_unix_s", Float, nullable=False),
+    Column("offset_s", Float),
+    Column("body", JSON, nullable=False),
+    Column("outcome", Text, nullable=False),
+    _of_mission(),
+)
+
 orders = Table(
     "orders",
     metadata,
@@ -239,6 +259,7 @@ orders = Table(
     Column("communication", String(40), nullable=False),
     Column("state", String(10), nullable=False),  # issued | delivered | done | failed
     Column("text", Text, nullable=False),
+    Column("area_m", JSON, nullable=False, server_default="[]"),
     _of_robot(),
 )
 

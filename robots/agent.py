@@ -15,6 +15,7 @@ from math import isfinite
 from robots.config import AgentConfig
 from robots.estimation.slam import Slam, begin_slam
 from robots.estimation.slip.detector import SlipDetector
+from robots.estimation.slip.patches import UNKNOWN
 from robots.exploration.scout import Scout, Situation
 from robots.mapping.map_keeper import MapKeeper
 from robots.snapshot import freeze, thaw
@@ -57,10 +58,8 @@ class RobotAgent:
         """
         self._check(observation)
         slam = self._start(observation)
-        # pressed against something, the wheels turn on the spot
-        slipping = self._wheels_slip(observation) or observation.bumper
-        slipping = slipping and self.config.poses == "slam"
-        slam.predict(observation, self._last is not None, slipping)  # (1), (2)
+        slipping, slip_share = self._wheels_slip(observation)
+        slam.predict(observation, self._last is not None, slipping, slip_share)  # (1), (2)
         if observation.scan is not None:
             slam.match(observation.scan)  # (3), (4)
             self._maps.add_scan(slam.local_from_base, observation.scan)
@@ -161,12 +160,17 @@ class RobotAgent:
             self._maps.add_free(here, self.config.body.radius_m)
         return self._slam
 
-    def _wheels_slip(self, observation: Observation) -> bool:
+    def _wheels_slip(self, observation: Observation) -> tuple[bool, float]:
+        """Say whether the wheels slip, and the share of slippage among moments like this one."""
+        if self.config.poses != "slam":
+            return False, UNKNOWN
+        pressed = observation.bumper  # against something: the wheels turn on the spot
         if self._slip is None or observation.imu is None:
-            return False  # the wheels' turn would be lost with their distance: measured, that is worse
+            return pressed, UNKNOWN  # with the distance the wheels' turn would be lost: worse, as measured
         told = None if self._update is None else self._update.command
         in_force = Command() if observation.held else told
-        return self._slip.observe(observation.stamp_s, observation.odometry, observation.imu, in_force)
+        alarm = self._slip.observe(observation.stamp_s, observation.odometry, observation.imu, in_force)
+        return alarm or pressed, self._slip.share
 
     def _situation(self, observation: Observation, slam: Slam, read: tuple[TagSighting, ...]) -> Situation:
         """Bring the map up to date where the scout needs it, and say how things stand."""

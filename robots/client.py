@@ -158,7 +158,8 @@ class RobotClient:
         """Send observations after all that was kept; return the reply to the last request.
 
         Raises:
-            ClientError: refused, or out of patience.
+            ClientError: refused, or out of patience. One that is refused (the mission was closed, or is a
+                draft still) stands still.
         """
         self.keep(observations, onboard)
         reply = self._post_batch()

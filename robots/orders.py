@@ -30,6 +30,7 @@ class RobotOrder:
     """What a robot is told by an operator (``by``).
 
     ``place_m`` (x, y) for ``go_to`` and ``explore_here``, None otherwise; ``methods`` for ``methods`` alone.
+    ``area_m``: the corners of what is to be explored round that place; without them, what is near it.
     """
 
     order_id: str
@@ -37,6 +38,7 @@ class RobotOrder:
     by: str = ""
     place_m: tuple[float, float] | None = None
     methods: Methods = field(default_factory=Methods)
+    area_m: tuple[tuple[float, float], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

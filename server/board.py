@@ -126,6 +126,10 @@ class Subscription:
         """Wait for changes and return their keys, none at all when the time is over."""
         with suppress(TimeoutError):
             await asyncio.wait_for(self._woken.wait(), timeout_s)
+        return self.take_keys()
+
+    def take_keys(self) -> list[str]:
+        """Return the keys that changed since, without waiting."""
         self._woken.clear()
         changed, self._changed = list(self._changed), {}
         return changed

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import re
 from contextlib import suppress
 from urllib.parse import urlsplit
 
@@ -14,6 +15,7 @@ from server.errors import error_response
 from server.settings import is_loopback
 
 _DRAIN_BODIES, _DRAIN_S = 16, 10.0  # how much of a body that is refused is read, as a multiple of the limit
+_PICTURES = re.compile(r"/api/v1/missions/[^/]+/(photos|base-map)")
 _SAFE = {"GET", "HEAD", "OPTIONS"}
 
 
@@ -35,11 +37,15 @@ class Guard:
     was made to lead here (DNS rebinding) would count as ours.
     """
 
-    def __init__(self, app: ASGIApp, max_body_bytes: int, loopback_only: bool) -> None:
+    def __init__(self, app: ASGIApp, max_body_bytes: int, max_photo_bytes: int, loopback_only: bool) -> None:
         self._app = app
         self._loopback_only = loopback_only
         self._limit = max_body_bytes
         self._too_large = f"The body is larger than {max_body_bytes} bytes; send it in several requests."
+        self._photo_limit = max_photo_bytes
+        self._photo_too_large = (
+            f"The picture is larger than {max_photo_bytes / 2**20:.0f} MiB; make it smaller and send it."
+        )
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Refuse the request, or pass it on."""
@@ -64,11 +70,14 @@ class Guard:
             message = "Only this server's own pages may change a mission; open the console from this server."
             await error_response(403, "foreign_origin", message)(scope, receive, send)
             return
+        is_photo = _PICTURES.fullmatch(scope["path"]) is not None
+        limit = self._photo_limit if is_photo else self._limit
+        too_large = self._photo_too_large if is_photo else self._too_large
         announced = headers.get("content-length", "0")
-        if announced.isdigit() and int(announced) > self._limit:
+        if announced.isdigit() and int(announced) > limit:
             if "expect" not in headers:  # such a client waits to be told before it sends
                 await self._drain(receive)
-            response = error_response(413, "too_large", self._too_large, headers={"Connection": "close"})
+            response = error_response(413, "too_large", too_large, headers={"Connection": "close"})
             await response(scope, receive, send)
             return
         count = 0
@@ -77,10 +86,10 @@ class Guard:
             nonlocal count
             message = await receive()
             count += len(message.get("body", b""))
-            if count > self._limit:
+            if count > limit:
                 if message.get("more_body"):
                     await self._drain(receive)
-                raise HTTPException(413, self._too_large)
+                raise HTTPException(413, too_large)
             return message
 
         await self._app(scope, limited, send)

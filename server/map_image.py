@@ -7,6 +7,7 @@ import io
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from PIL import Image
 
 from robots.team import TeamGrid
@@ -14,7 +15,7 @@ from robots.team import TeamGrid
 UNKNOWN, FREE, OCCUPIED = 0, 1, 2
 _OCCUPIED_FROM = 65  # per cent, as ROS's map_server
 _FREE_BELOW = 35
-_PALETTE = (0, 0, 0, 222, 230, 236, 24, 34, 44)
+_PALETTE = (0, 0, 0, 222, 230, 236, 24, 34, 44, 69, 214, 160)
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,19 +38,26 @@ def draw(grid: TeamGrid) -> MapImage:
     classes = np.full(cells.shape, UNKNOWN, np.uint8)
     classes[(cells >= 0) & (cells < _FREE_BELOW)] = FREE
     classes[cells >= _OCCUPIED_FROM] = OCCUPIED
+    return draw_classes(classes, grid.version, grid.origin_m, grid.resolution_m)
+
+
+def draw_classes(
+    classes: NDArray[np.uint8], version: int, origin_m: tuple[float, float], resolution_m: float
+) -> MapImage:
+    """Return the picture of up to four classes (h, w), row 0 at the lowest y; class 0 is transparent."""
     image = Image.fromarray(np.ascontiguousarray(classes[::-1]), mode=None).convert("P")
     image.putpalette(_PALETTE)
     file = io.BytesIO()
     image.save(file, "PNG", transparency=UNKNOWN, bits=2, compress_level=6)
     png = file.getvalue()
-    height, width = cells.shape
+    height, width = classes.shape
     return MapImage(
-        version=int(grid.version),
+        version=int(version),
         width=width,
         height=height,
-        resolution_m=float(grid.resolution_m),
-        origin_m=(float(grid.origin_m[0]), float(grid.origin_m[1])),
+        resolution_m=float(resolution_m),
+        origin_m=(float(origin_m[0]), float(origin_m[1])),
         png=png,
-        explored_m2=float((classes == FREE).sum()) * float(grid.resolution_m) ** 2,
+        explored_m2=float((classes == FREE).sum()) * float(resolution_m) ** 2,
         etag=f'"{hashlib.sha256(png).hexdigest()[:20]}"',
     )

@@ -6,7 +6,7 @@ import asyncio
 import re
 import secrets
 import time
-from typing import Protocol
+from typing import Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,6 +43,7 @@ class Missions:
         self._scenes = scenes
         self._missions: dict[str, Mission] = {}
         self._opening = asyncio.Lock()
+        self._stepping: dict[str, asyncio.Lock] = {}
 
     @property
     def store(self) -> Store:
@@ -66,13 +67,24 @@ class Missions:
             raise unknown("mission", mission_id)
         return self._missions[mission_id]
 
+    def find(self, mission_id: str) -> Mission | None:
+        """Return a mission, None where there is none of that id."""
+        return self._missions.get(mission_id)
+
     async def restore(self) -> None:
         """Bring back every mission of the database."""
         for record in await self._store.missions.all_missions():
             mission = await self._add(record)
             await mission.restore()
 
-    async def open(self, name: str, mission_id: str | None, tag_key: str | None = None) -> Mission:
+    async def open(
+        self,
+        name: str,
+        mission_id: str | None,
+        tag_key: str | None = None,
+        state: Literal["draft", "running"] = "running",
+        by: str = "",
+    ) -> Mission:
         """Open a mission; without a key for its tags one is made at random.
 
         Raises:
@@ -88,16 +100,51 @@ class Missions:
                 )
             key = secrets.token_hex(16) if tag_key is None else tag_key
             mission_id = mission_id or self._id_for(name)
-            record = MissionRecord(mission_id, name, "running", time.time(), tag_key=key)
+            now = time.time()
+            record = MissionRecord(
+                mission_id, name, state, now, tag_key=key, state_by=by, state_unix_s=now,
+                started_unix_s=now if state == "running" else None,
+            )  # fmt: skip
             await self._store.missions.create_mission(record)
             mission = await self._add(record)
             mission.begin()
         await mission.events.tell("mission_opened", f"{name} was opened.")
         return mission
 
+    async def take(self, mission_id: str, step: str, by: str) -> Mission:
+        """Take a mission to another state; see ``lifecycle.STEPS``.
+
+        One that is over keeps what it came to and ends its processes; one that is reopened begins again
+        where its log ends.
+
+        Raises:
+            ApiError: there is no such mission, or the step does not follow from its state.
+        """
+        async with self._stepping.setdefault(mission_id, asyncio.Lock()):
+            mission = self.get(mission_id)
+            was_over = mission.roster.record.is_over
+            if not await mission.lifecycle.take(step, by):
+                return mission
+            if not was_over and mission.roster.record.is_over:
+                await mission.rest()
+            elif was_over and not mission.roster.record.is_over:
+                mission = await self._again(mission)
+            return mission
+
     async def close(self) -> None:
         """End every mission's processes; the database keeps them."""
         await asyncio.gather(*(mission.close() for mission in self._missions.values()))
+
+    async def _again(self, over: Mission) -> Mission:
+        """Return a mission with agents in the place of one that is over, before the same eyes."""
+        await over.close()
+        mission = Mission(
+            over.roster.record, self._store, self._forks, self._settings, self._on_grid, over.board
+        )
+        mission.presence = over.presence
+        await mission.go_on()
+        self._missions[mission.mission_id] = mission
+        return mission
 
     async def _add(self, record: MissionRecord) -> Mission:
         mission = Mission(record, self._store, self._forks, self._settings, self._on_grid)

@@ -78,6 +78,7 @@ class Robot:
     next_seq: int = 0
     last_stamp_s: float | None = None
     stopped: bool = False
+    paused: bool = False
     link: Link = "lost"
     heard_unix_s: float | None = None
     heard_at_s: float = field(default_factory=time.monotonic)
@@ -113,6 +114,22 @@ class Robot:
     def robot_id(self) -> str:
         """Its name in the mission."""
         return self.record.robot_id
+
+    @property
+    def thought_failed(self) -> bool:
+        """Whether the agent's work on the newest observations ended with an error."""
+        thought = self.thought
+        return (
+            thought is not None
+            and thought.done()
+            and not thought.cancelled()
+            and thought.exception() is not None
+        )
+
+    @property
+    def held(self) -> bool:
+        """Whether it has to stand still: by STOP, or because its mission is paused."""
+        return self.stopped or self.paused
 
     def set_stopped(self, stopped: bool) -> None:
         """Stop it, or let it go on: from the next reply on."""

@@ -31,7 +31,12 @@ class Settings(BaseSettings):
     database: str | None = Field(
         None, description="Database file or URL; by default a file in the data folder."
     )
+    tls: bool = Field(False, description="Serve https with the certificate of `waymark ca`.")
+    install_port: int = Field(
+        8080, ge=0, le=65535, description="With tls: port without encryption where phones get the authority."
+    )
     max_body_bytes: int = Field(4 * 2**20, ge=1024, description="Largest request body.")
+    max_photo_bytes: int = Field(12 * 2**20, ge=1024, description="Largest photo, and picture of a plan.")
     max_waiting: int = Field(4000, ge=1, description="Observations of one robot that may wait for its agent.")
     snapshot_every: int = Field(300, ge=1, description="Observations between snapshots of an agent.")
     snapshot_every_s: float = Field(
@@ -56,7 +61,12 @@ class Settings(BaseSettings):
     def address(self) -> str:
         """The address a browser on this machine opens."""
         host = {"0.0.0.0": "127.0.0.1", "::": "[::1]"}.get(self.host, self.host)
-        return f"http://{host}:{self.port}"
+        return f"{'https' if self.tls else 'http'}://{host}:{self.port}"
+
+    @property
+    def tls_folder(self) -> Path:
+        """Where the authority and the server's certificate lie."""
+        return self.data_dir / "tls"
 
     @property
     def database_target(self) -> str:

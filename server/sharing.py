@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict
 from typing import Any
 
@@ -69,10 +69,10 @@ def victim_value(victim: VictimRecord) -> dict[str, Any]:
     }
 
 
-def node_value(node: NodeRecord) -> dict[str, Any]:
-    """Return ``node/ID`` of the board: what an active node measured last."""
+def node_value(node: NodeRecord, trends: Mapping[str, float | None]) -> dict[str, Any]:
+    """Return ``node/ID`` of the board: what an active node measured last, and how that goes."""
     names = ("tag_id", "temperature_c", "pressure_hpa", "tilt_rad", "heard_unix_s", "robot_id")
-    return {name: getattr(node, name) for name in names}
+    return {name: getattr(node, name) for name in names} | dict(trends)
 
 
 def alert_value(alert: AlertRecord) -> dict[str, Any]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import os
 from collections.abc import Mapping
 from pathlib import Path
@@ -10,11 +11,13 @@ from fastapi import FastAPI, Request
 from fastapi.responses import HTMLResponse, Response
 from fastapi.staticfiles import StaticFiles
 from starlette.datastructures import Headers
+from starlette.middleware.gzip import GZipMiddleware
 from starlette.responses import FileResponse
 from starlette.staticfiles import NotModifiedResponse
 from starlette.types import Scope
 
 from web.proxy import Gate, ScenePorts, mount_proxy
+from web.shell import worker
 
 _HERE = Path(__file__).parent
 STATIC = _HERE / "static"
@@ -26,7 +29,10 @@ VENDOR_FILES: Mapping[str, str] = {
     "leaflet/leaflet.css": "leaflet/dist/leaflet.css",
     "preact/preact.module.js": "preact/dist/preact.module.js",
     "htm/htm.module.js": "htm/dist/htm.module.js",
+    "jsqr/jsQR.js": "jsqr/dist/jsQR.js",
+    "lean-qr/index.mjs": "lean-qr/index.mjs",
 }
+_OF_PHONES_ALONE = ("jsqr/", "lean-qr/")  # without them the console is whole
 
 CONTENT_SECURITY_POLICY = "; ".join(
     (
@@ -36,6 +42,8 @@ CONTENT_SECURITY_POLICY = "; ".join(
         "img-src 'self' data: blob:",
         "connect-src 'self'",
         "frame-src 'self'",
+        "manifest-src 'self'",
+        "worker-src 'self'",
         "base-uri 'none'",
         "form-action 'none'",
         "frame-ancestors 'self'",
@@ -98,7 +106,8 @@ def mount_web(
     """
 
     async def console(request: Request) -> Response:
-        if any(not (node_modules / name).is_file() for name in VENDOR_FILES.values()):
+        needed = (n for n in VENDOR_FILES.values() if not n.startswith(_OF_PHONES_ALONE))
+        if any(not (node_modules / name).is_file() for name in needed):
             return HTMLResponse(_MISSING_PAGE, status_code=503, headers=dict(SECURITY_HEADERS))
         return _page(request, STATIC / "console" / "index.html")
 
@@ -108,11 +117,16 @@ def mount_web(
     async def people(request: Request) -> Response:
         return _page(request, STATIC / "people" / "index.html")
 
-    async def tag_home(request: Request) -> Response:
+    async def missions(request: Request) -> Response:
+        return _page(request, STATIC / "missions" / "index.html")
+
+    async def phone(request: Request) -> Response:
         return _page(request, STATIC / "phone" / "index.html")
 
-    async def tag(request: Request, tag_id: str) -> Response:
-        return _page(request, STATIC / "phone" / "index.html")
+    async def phone_worker(request: Request) -> Response:
+        vendor = {address: node_modules / name for address, name in VENDOR_FILES.items()}
+        script = await asyncio.to_thread(worker, STATIC, vendor)
+        return Response(script, media_type="text/javascript", headers=dict(SECURITY_HEADERS))
 
     async def icon(request: Request) -> Response:
         return _page(request, STATIC / "logo.svg")
@@ -121,12 +135,15 @@ def mount_web(
         app.add_api_route(address, console, methods=["GET", "HEAD"], include_in_schema=False)
     for address in ("/login", "/join"):
         app.add_api_route(address, door, methods=["GET", "HEAD"], include_in_schema=False)
-    app.add_api_route("/t/{tag_id}", tag, methods=["GET", "HEAD"], include_in_schema=False)
-    app.add_api_route("/t", tag_home, methods=["GET", "HEAD"], include_in_schema=False)
+    for address in ("/phone", "/t", "/t/{tag_id}"):
+        app.add_api_route(address, phone, methods=["GET", "HEAD"], include_in_schema=False)
+    app.add_api_route("/sw.js", phone_worker, methods=["GET", "HEAD"], include_in_schema=False)
+    app.add_api_route("/missions", missions, methods=["GET", "HEAD"], include_in_schema=False)
     app.add_api_route("/people", people, methods=["GET", "HEAD"], include_in_schema=False)
     app.add_api_route("/favicon.ico", icon, methods=["GET", "HEAD"], include_in_schema=False)
-    app.mount("/static", _Files(directory=STATIC), name="static")
-    app.mount("/vendor", _VendorFiles(directory=node_modules, check_dir=False), name="vendor")
+    app.mount("/static", GZipMiddleware(_Files(directory=STATIC)), name="static")
+    vendor = _VendorFiles(directory=node_modules, check_dir=False)
+    app.mount("/vendor", GZipMiddleware(vendor), name="vendor")
     if viser is not None:
         mount_proxy(app, *viser)
 

@@ -55,8 +55,8 @@ VISER_HEADERS: Mapping[str, str] = {
 class ScenePorts(Protocol):
     """Knows on which loopback port the 3D scene of a mission is served."""
 
-    def port(self, mission_id: str) -> int | None:
-        """Return the port, or None when the mission has no scene."""
+    def port(self, mission_id: str, theme: str = "dark") -> int | None:
+        """Return the port, or None when the mission has no scene in that theme."""
 
 
 Gate = Callable[[HTTPConnection, str], asyncio.Event | None]
@@ -67,21 +67,21 @@ def mount_proxy(app: FastAPI, scenes: ScenePorts, gate: Gate) -> None:
     """Add the page and the socket of every mission's 3D scene under /viser."""
     viewers: Counter[str] = Counter()
 
-    async def page(request: Request, mission_id: str) -> Response:
+    async def page(request: Request, mission_id: str, theme: str = "dark") -> Response:
         if gate(request, mission_id) is None:
             return PlainTextResponse("Log in first, then open the console again.\n", status_code=401)
-        if scenes.port(mission_id) is None:
+        if scenes.port(mission_id, theme) is None:
             return PlainTextResponse(
                 "This mission has no 3D scene. Open the console and choose a running mission.\n",
                 status_code=404,
             )
         return FileResponse(CLIENT_PAGE, headers=dict(VISER_HEADERS))
 
-    async def page_without_slash(request: Request, mission_id: str) -> Response:
+    async def page_without_slash(request: Request, mission_id: str, theme: str = "dark") -> Response:
         return RedirectResponse(request.url.replace(path=request.url.path + "/"), status_code=307)
 
-    async def socket(websocket: WebSocket, mission_id: str) -> None:
-        port = scenes.port(mission_id)
+    async def socket(websocket: WebSocket, mission_id: str, theme: str = "dark") -> None:
+        port = scenes.port(mission_id, theme)
         over = gate(websocket, mission_id)
         if port is None or over is None or not same_origin(websocket.headers):
             await websocket.close(1008)  # before accept: the browser sees 403
@@ -95,11 +95,10 @@ def mount_proxy(app: FastAPI, scenes: ScenePorts, gate: Gate) -> None:
         finally:
             viewers[mission_id] -= 1
 
-    app.add_api_route("/viser/{mission_id}/", page, methods=["GET", "HEAD"], include_in_schema=False)
-    app.add_api_route(
-        "/viser/{mission_id}", page_without_slash, methods=["GET", "HEAD"], include_in_schema=False
-    )
-    app.add_api_websocket_route("/viser/{mission_id}", socket)
+    for address in ("/viser/{mission_id}", "/viser/{mission_id}/{theme}"):
+        app.add_api_route(f"{address}/", page, methods=["GET", "HEAD"], include_in_schema=False)
+        app.add_api_route(address, page_without_slash, methods=["GET", "HEAD"], include_in_schema=False)
+        app.add_api_websocket_route(address, socket)
 
 
 def same_origin(headers: Mapping[str, str]) -> bool:

@@ -21,7 +21,7 @@ from robots.estimation.passage import Passage
 from robots.estimation.radio.cones import ConeWatch, Crossing, HearsCones
 from robots.estimation.radio.model import RadioModel
 from robots.estimation.radio.ranging import Ranging, seen_from_anchor
-from robots.estimation.slip.patches import Grip, Slippage
+from robots.estimation.slip.patches import UNKNOWN, Grip, Slippage
 from robots.estimation.tag_filter import RangeSighting, TagFilter
 from robots.estimation.tag_graph.smoothing import smooth_radio
 from robots.estimation.tracked import TrackedSlam
@@ -106,8 +106,10 @@ class FilterSlam(TrackedSlam):
         """Return, once, what is wrong with tags, ranges and maps."""
         return self._filter.take_doubts()
 
-    def predict(self, observation: Observation, moved: bool, slipping: bool) -> None:
-        """Move by wheels and inertial unit; slipping wheels count by a third, in doubt (``slippage``).
+    def predict(
+        self, observation: Observation, moved: bool, slipping: bool, slip_share: float = UNKNOWN
+    ) -> None:
+        """Move by wheels and inertial unit; slipping wheels count by a third, in doubt (``slip/patches.py``).
 
         Without ``moved`` the wheels do not count. Where the bumper is pressed they tell nothing.
         """
@@ -116,8 +118,9 @@ class FilterSlam(TrackedSlam):
         if not observation.bumper:
             way = motion_mean(odometry, None, self._config.body)
             rolled_m = hypot(way.x, way.y)
-            grip = self._slippage.observe(observation.stamp_s, rolled_m, slipping)
-            self._unsure_m += grip.share * rolled_m if grip.share < 1.0 else 0.0
+            grip = self._slippage.observe(observation.stamp_s, rolled_m, slip_share)
+            if self._slippage.on_patch:
+                self._unsure_m += abs(grip.share) * rolled_m
         self._drops.follow(observation.tags_left, self.local_from_base, self.distance_m)
         self._tracker.predict(observation.stamp_s, odometry, observation.imu, slipping, grip)
 

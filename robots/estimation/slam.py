@@ -10,6 +10,7 @@ from robots.estimation.ekf.filter import EkfFilter
 from robots.estimation.filter_slam import FilterSlam
 from robots.estimation.passage import Passage
 from robots.estimation.rslam.range_slam import RangeSlam
+from robots.estimation.slip.patches import UNKNOWN
 from robots.estimation.tag_filter import TagFilter
 from robots.estimation.tag_graph.slam import TagSlam
 from robots.graph_report import GraphReport
@@ -73,8 +74,13 @@ class Slam(Protocol):
     def take_doubts(self) -> tuple[str, ...]:
         """Return, once, what is wrong with tags, ranges and maps, each in a sentence for the operator."""
 
-    def predict(self, observation: Observation, moved: bool, slipping: bool) -> None:
-        """Move by wheels and inertial unit; without ``moved`` the wheels do not count."""
+    def predict(
+        self, observation: Observation, moved: bool, slipping: bool, slip_share: float = UNKNOWN
+    ) -> None:
+        """Move by wheels and inertial unit; without ``moved`` the wheels do not count.
+
+        ``slip_share``: of slippage among moments like this one (``slip/tree.py``).
+        """
 
     def match(self, scan: LaserScan) -> None:
         """Fuse the scan matcher's pose."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import hypot
 
 from robots.config import AgentConfig
+from robots.estimation.slip.patches import UNKNOWN
 from robots.estimation.tracking import PoseTracker
 from robots.se2 import GaussianPose, Pose2
 from robots.types import ImuReading, LaserScan, Observation
@@ -39,7 +40,9 @@ class TrackedSlam:
         """Pose since the newest anchor."""
         return self._tracker.anchor_from_base
 
-    def predict(self, observation: Observation, moved: bool, slipping: bool) -> None:
+    def predict(
+        self, observation: Observation, moved: bool, slipping: bool, slip_share: float = UNKNOWN
+    ) -> None:
         """Move by wheels and inertial unit (Kleiner 2006 eq. 1 and 2).
 
         Without ``moved`` the wheels do not count: what was driven before the first observation is not part of

@@ -192,7 +192,7 @@ def estimate(way: Way, slam: str, environment: str, seed: int) -> Array:
     for observation, command, sightings in zip(way.log, way.commands, signals, strict=True):
         assert observation.imu is not None
         slips = slip.observe(observation.stamp_s, observation.odometry, observation.imu, command)
-        robot.predict(observation, observation is not first, slips or observation.bumper)
+        robot.predict(observation, observation is not first, slips or observation.bumper, slip.share)
         robot.pass_tags(replace(observation, tag_sightings=sightings))
         poses.append(robot.pose.as_array())
     return np.array(poses)

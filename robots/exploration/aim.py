@@ -16,7 +16,7 @@ class Aim:
     """A way to drive, (n, 2) in the map frame, and what for.
 
     ``kind``: ``edge`` of the unknown, ``suspect`` (it may be a victim), ``place`` to go to, ``rest`` where
-    the robot stands.
+    the robot stands. ``looks``: at the end of the way to a place it turns round to see what has changed.
     """
 
     kind: Literal["edge", "suspect", "place", "rest"]
@@ -24,6 +24,7 @@ class Aim:
     reason: str
     goal_m: tuple[float, float] | None = None
     path: Array = field(default_factory=lambda: np.zeros((0, 2)))
+    looks: bool = False
 
     @property
     def looking(self) -> str:

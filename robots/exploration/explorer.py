@@ -13,10 +13,12 @@ from robots.exploration.aim import Aim, Decision
 from robots.exploration.frontiers import Frontier
 from robots.exploration.goals import Choice, Goals
 from robots.exploration.ground import Ground
+from robots.exploration.last_looks import gaps
 from robots.exploration.manners.errands import Errands
-from robots.exploration.manners.giving_way import give_way
+from robots.exploration.manners.giving_way import GivingWay
 from robots.exploration.manners.homing import Homing
 from robots.exploration.manners.recovery import Blocked, Recovery, place_ahead
+from robots.exploration.manners.shut_ways import shut_off, squeezed
 from robots.exploration.manners.suspects import Suspects
 from robots.exploration.strategy import ExplorationView, PlansLocally
 from robots.exploration.team.communication import Communication
@@ -48,7 +50,7 @@ class Explorer:
     ) -> None:
         self._config = config
         communication = communication or Communication("", config)
-        self._rng = np.random.default_rng(seed)
+        self._giving_way = GivingWay(seed)
         self.claims = Claims()
         self.grids = SharedGrids(config, communication)
         self.trail = Trail()
@@ -63,8 +65,6 @@ class Explorer:
         self._grid: PlanGrid | None = None
         self._blocked = Blocked()
         self._arrived_s: float | None = None
-        self._give_way_at: tuple[float, float] | None = None  # where somebody else seems to want to pass
-        self._giving_way_until_s: float | None = None
 
     @property
     def frontiers(self) -> tuple[FrontierReport, ...]:
@@ -88,7 +88,7 @@ class Explorer:
         changed, self.errands.changed = self.errands.changed, Methods()
         self.goals.change(changed)
         if order.kind not in ("methods", "drop_tag"):
-            self._giving_way_until_s = None
+            self._giving_way.stop()
         self.replan()
 
     def order_reports(self) -> tuple[OrderReport, ...]:
@@ -137,7 +137,8 @@ class Explorer:
         at_end = is_at_end(aim.path, pose)
         if aim.kind == "rest" or (aim.kind == "place" and at_end):
             self._recovery.rest()
-            return Decision(0.0, 0.0, aim.activity, aim.reason, aim.goal_m, drop_tag=tag)
+            turn_radps = self._config.body.max_turn_radps if aim.looks else 0.0
+            return Decision(0.0, turn_radps, aim.activity, aim.reason, aim.goal_m, drop_tag=tag)
         turn = self._look(now_s, pose, aim, at_end)
         if turn is not None:
             self._recovery.rest()
@@ -150,16 +151,18 @@ class Explorer:
 
     def _plan(self, now_s: float, pose: Pose2, fused: FusedGrid, place_of: PlaceOf) -> None:
         self._planned_s = now_s
-        if self._giving_way_until_s is not None:
-            if now_s < self._giving_way_until_s:
-                return
-            self._giving_way_until_s = None
+        if self._giving_way.goes_on(now_s):
+            return
         grid = self.grids.of(fused, self._blocked.discs(now_s))
         local = isinstance(self.goals.strategy, PlansLocally)
         grid = self._grid = with_gaussian_costs(grid, self._config.planning.ziparo) if local else grid
         ground = Ground.of(grid, pose)
-        self._aim = self._give_way(now_s, ground) or self._next(now_s, ground, place_of)
-        if self._aim.kind != "edge":
+        if self.homing.is_shut(ground):
+            ground = self._squeezed(ground)
+        self._aim = self._giving_way.aim(now_s, ground) or self._next(now_s, ground, place_of)
+        if self._aim.kind == "edge":
+            self.homing.leave()
+        else:
             self._arrived_s = None
 
     def _next(self, now_s: float, ground: Ground, place_of: PlaceOf) -> Aim:
@@ -169,7 +172,7 @@ class Explorer:
         if why is not None:
             self.errands.overruled(why)
         if why is not None or self.errands.returns:
-            aim = self.homing.aim(ground, why or self.errands.by)
+            aim = self.homing.aim(ground, why or self.errands.by, self.trail.points)
             if aim.kind == "rest" and aim.activity == "done":
                 self.errands.home(aim.reason.rpartition("; ")[2])
                 aim = aim if why else replace(aim, activity="holding")
@@ -180,23 +183,29 @@ class Explorer:
 
     def _explore(self, now_s: float, ground: Ground, edges: tuple[Frontier, ...], place_of: PlaceOf) -> Aim:
         """Head for the edge that is worth most; where none is left, back to the base."""
-        goals = self.goals
-        choice = goals.choose(self._view(now_s, ground, goals.worth_going(edges, now_s), place_of))
+        goals, shortest_m = self.goals, self._config.planning.min_frontier_m
+
+        def choose(ground: Ground, edges: tuple[Frontier, ...]) -> Choice | None:
+            return goals.choose(self._view(now_s, ground, goals.worth_going(edges, now_s), place_of))
+
+        left, choice = edges, choose(ground, edges)
         if choice is None and self._blocked.clear():  # ground left alone is tried before giving up
             self._planned_s = None
             return self._aim or Aim("rest", "exploring", "looking for a way")
-        shut_off: tuple[Frontier, ...] = ()
         if choice is None:
-            shut_off = goals.shut_off(ground, self._config.planning.min_frontier_m)
-            for frontier in goals.worth_going(shut_off, now_s)[:1]:
-                choice = Choice(frontier, "look whether the way beyond is open by now")
+            ground = self._squeezed(ground)
+            left = self.errands.near(goals.edges(ground, shortest_m, now_s))
+            choice = choose(ground, (*left, *goals.untried(gaps(ground, shortest_m))))
+        if choice is None:
+            shut = shut_off(ground, self.trail.points, shortest_m)
+            left = (*left, *shut)
+            choice = None if self.homing.is_shut(ground) else goals.look_at_shut(shut, now_s)
         path = None if choice is None else ground.path_to(choice.frontier.goal)
         if choice is not None and path is not None:
             goals.goal_m = choice.frontier.goal_m
             reason = f"driving {choice.frontier.cost_m:.0f} m to {choice.why}"
             return Aim("edge", "exploring", reason, goals.goal_m, path)
-        goals.goal_m = None
-        return self._finish(ground, (*edges, *shut_off), now_s)
+        return self._finish(ground, left, now_s)
 
     def _view(
         self, now_s: float, ground: Ground, edges: tuple[Frontier, ...], place_of: PlaceOf
@@ -217,17 +226,17 @@ class Explorer:
             settings=self._config.planning,
         )
 
+    def _squeezed(self, ground: Ground) -> Ground:
+        ground = squeezed(ground, self.trail.points)
+        self._grid = ground.grid
+        return ground
+
     def _finish(self, ground: Ground, left: tuple[Frontier, ...], now_s: float) -> Aim:
         """Nothing is left to go to now: return to the base, out of the others' way."""
-        again_s = self.goals.waiting(left, now_s)
-        edges, is_ = ("1 edge", "is") if len(left) == 1 else (f"{len(left)} edges", "are")
-        if again_s is not None:
-            why = f"{edges} of the unknown could not be seen beyond yet; trying again in {again_s:.0f} s"
-            aim = self.homing.aim(ground, why)
-            return Aim(aim.kind, "returning", aim.reason, aim.goal_m, aim.path)
-        if left:
-            return self.homing.aim(ground, f"{edges} of the unknown {is_} left that I could not see beyond")
-        return self.homing.aim(ground, "no edge of the unknown is left that I can reach")
+        self.goals.goal_m = None
+        why, again = self.goals.left_over(left, now_s)
+        aim = self.homing.aim(ground, why, self.trail.points)
+        return replace(aim, activity="holding" if aim.kind == "rest" else "returning") if again else aim
 
     def _look(self, now_s: float, pose: Pose2, aim: Aim, at_end: bool) -> float | None:
         """Return how fast to turn (rad/s) to see what lies at the goal, None while driving there.
@@ -248,8 +257,8 @@ class Explorer:
             self._put_aside(goal, now_s)
         return turn
 
-    def _put_aside(self, goal: tuple[float, float], now_s: float) -> None:
-        self.goals.put_aside(goal, now_s)
+    def _put_aside(self, goal: tuple[float, float], now_s: float, hindered: bool = False) -> None:
+        self.goals.put_aside(goal, now_s, hindered)
         self._arrived_s, self._planned_s = None, None
 
     def _rests(self) -> bool:
@@ -275,26 +284,15 @@ class Explorer:
         aim = self._aim
         goal = None if aim is None else aim.goal_m
         fails = self._recovery.keeps_failing  # else as good as there, and it cannot be had
-        if aim and goal and (fails or hypot(goal[0] - pose.x, goal[1] - pose.y) < 2.0 * _ARRIVED_M):
+        there = goal is not None and hypot(goal[0] - pose.x, goal[1] - pose.y) < 2.0 * _ARRIVED_M
+        if aim and goal and (fails or there):
             if aim.kind == "edge":
-                self._put_aside(goal, now_s)
+                self._put_aside(goal, now_s, hindered=not there)
             elif aim.kind == "suspect":
                 self._suspects.give_up()
-        self._giving_way_until_s = None  # where it stepped aside to cannot be had either
+        self._giving_way.stop()  # where it stepped aside to cannot be had either
         place = place_ahead(pose, self._config.body.radius_m + 0.25)
         self._blocked.add(place, now_s)
         if fails:
-            self._give_way_at = place
-
-    def _give_way(self, now_s: float, ground: Ground) -> Aim | None:
-        place, self._give_way_at = self._give_way_at, None
-        if place is None:
-            return None
-        self._recovery.forget()
-        found = give_way(ground, place, self._rng)
-        if found is None:
-            return None
-        aim, wait_s = found
-        self._giving_way_until_s = now_s + wait_s
-        self.goals.goal_m = None
-        return aim
+            self._recovery.forget()
+            self._giving_way.ask(place)

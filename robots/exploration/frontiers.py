@@ -48,24 +48,19 @@ def find_frontiers(grid: PlanGrid, costs: NDArray[np.int32], min_length_m: float
     return tuple(frontiers)
 
 
-def find_shut_off(grid: PlanGrid, costs: NDArray[np.int32], min_length_m: float) -> tuple[Frontier, ...]:
-    """Return the frontiers that cannot be reached, each with the reachable cell nearest to it as its goal.
-
-    Something stands in the way; if it was a robot, it may have gone by now, and from there it can be seen.
-    """
+def find_shut_off(
+    grid: PlanGrid, costs: NDArray[np.int32], min_length_m: float
+) -> tuple[tuple[tuple[int, int], float], ...]:
+    """Return the middle cell (row, column) and the length (m) of each frontier that cannot be reached."""
     labels, count = _label(grid.cells)
-    reached = np.argwhere(costs != UNREACHED)
-    if count == 0 or len(reached) == 0:
+    if count == 0:
         return ()
     sizes, best_cost, _, _ = _nearest_access(labels, count, costs)
     shut_off = []
     for k in np.flatnonzero((best_cost == UNREACHED) & (sizes * grid.cell_m >= min_length_m)):
-        middle = np.argwhere(labels == k).mean(axis=0)
-        nearest = reached[((reached - middle) ** 2).sum(axis=1).argmin()]
-        goal = (int(nearest[0]), int(nearest[1]))
-        cost_m = float(costs[goal]) / 5.0 * grid.cell_m
-        shut_off.append(Frontier(goal, grid.centre_of(*goal), float(sizes[k]) * grid.cell_m, cost_m))
-    shut_off.sort(key=lambda frontier: (frontier.cost_m, frontier.goal))
+        cells = np.argwhere(labels == k)
+        row, column = cells[((cells - cells.mean(axis=0)) ** 2).sum(axis=1).argmin()]
+        shut_off.append(((int(row), int(column)), float(sizes[k]) * grid.cell_m))
     return tuple(shut_off)
 
 

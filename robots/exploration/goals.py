@@ -10,7 +10,7 @@ from robots.config import ConfigError, PlanningConfig
 from robots.exploration.coordination import coordination_of
 from robots.exploration.coordination.original import ways_planned_alone
 from robots.exploration.coordination.team import SAME_GOAL_M, Selfish, Team
-from robots.exploration.frontiers import Frontier, find_frontiers, find_shut_off
+from robots.exploration.frontiers import Frontier, find_frontiers
 from robots.exploration.ground import Ground
 from robots.exploration.strategies import STRATEGIES
 from robots.exploration.strategy import (
@@ -29,6 +29,7 @@ MAX_REPORTED = 48
 _ARRIVED_M = 0.4
 _ASIDE_M = 0.7
 _ASIDE_S = (20.0, 60.0)  # a goal that came to nothing is tried again after so long, and then again
+_HINDERED_S, _HINDRANCES = 20.0, 8  # one that others kept the robot from: that says nothing of the goal
 _TIMES_CHOSEN = 3
 _TRIES = 1 + len(_ASIDE_S)
 _FORGOTTEN_S = 600.0  # and once more after so long: what stood in the way may have gone
@@ -41,8 +42,13 @@ Place = tuple[float, float]
 class _Aside:
     x: float
     y: float
-    until_s: float
-    tries: int
+    until_s: float = 0.0
+    tries: int = 0
+    hindrances: int = 0
+
+    @property
+    def is_given_up(self) -> bool:
+        return self.tries >= _TRIES or self.hindrances >= _HINDRANCES
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,36 +94,57 @@ class Goals:
         if methods.communication:
             self._communication.kind = methods.communication
 
-    def put_aside(self, goal_m: tuple[float, float], now_s: float) -> None:
-        """Leave a goal (map frame) for a while: being there did not help. Every time for longer."""
+    def put_aside(self, goal_m: tuple[float, float], now_s: float, hindered: bool = False) -> None:
+        """Leave a goal (map frame) for a while: being there did not help. Every time for longer.
+
+        ``hindered``: the robot was kept from getting there.
+        """
         known = self._aside_at(goal_m)
         if known is None:
-            known = _Aside(*goal_m, until_s=0.0, tries=0)
+            known = _Aside(*goal_m)
             self._aside.append(known)
-        known.tries += 1
-        known.until_s = now_s + (*_ASIDE_S, _FORGOTTEN_S)[min(known.tries, _TRIES) - 1]
+        known.tries += not hindered
+        known.hindrances += hindered
+        wait_s = _HINDERED_S if hindered else (*_ASIDE_S, _FORGOTTEN_S)[min(known.tries, _TRIES) - 1]
+        known.until_s = now_s + (_FORGOTTEN_S if known.is_given_up else wait_s)
         self.goal_m = None
 
-    def waiting(self, frontiers: Sequence[Frontier], now_s: float) -> float | None:
-        """Return in how many seconds one of these is tried again; None where all were tried often enough."""
+    def left_over(self, frontiers: Sequence[Frontier], now_s: float) -> tuple[str, bool]:
+        """Say in words that there is nothing to go to now but these, and whether one is tried again later."""
+        edges = "1 edge" if len(frontiers) == 1 else f"{len(frontiers)} edges"
         asides = [aside for f in frontiers if (aside := self._aside_at(f.goal_m)) is not None]
-        left = [aside.until_s - now_s for aside in asides if aside.tries < _TRIES]
-        return max(0.0, min(left)) if left else None
+        left = [aside.until_s - now_s for aside in asides if not aside.is_given_up]
+        if left:
+            again_s = max(0.0, min(left))
+            return (
+                f"{edges} of the unknown could not be seen beyond yet; trying again in {again_s:.0f} s",
+                True,
+            )
+        if frontiers:
+            is_ = "is" if len(frontiers) == 1 else "are"
+            return f"{edges} of the unknown {is_} left that I could not see beyond", False
+        return "no edge of the unknown is left that I can reach", False
 
     def edges(self, ground: Ground, min_frontier_m: float, now_s: float) -> tuple[Frontier, ...]:
         """Return the frontiers that can be reached, nearest first."""
-        self._aside = [a for a in self._aside if a.tries < _TRIES or a.until_s > now_s]
+        self._aside = [a for a in self._aside if not a.is_given_up or a.until_s > now_s]
         return find_frontiers(ground.grid, ground.costs, min_frontier_m)
-
-    def shut_off(self, ground: Ground, min_frontier_m: float) -> tuple[Frontier, ...]:
-        """Return the frontiers that cannot be reached, nearest first."""
-        return find_shut_off(ground.grid, ground.costs, min_frontier_m)
 
     def worth_going(self, frontiers: Sequence[Frontier], now_s: float) -> tuple[Frontier, ...]:
         """Return those that are not put aside now."""
         return tuple(
             f for f in frontiers if (aside := self._aside_at(f.goal_m)) is None or aside.until_s <= now_s
         )
+
+    def untried(self, frontiers: Sequence[Frontier]) -> tuple[Frontier, ...]:
+        """Return those that were never put aside."""
+        return tuple(f for f in frontiers if self._aside_at(f.goal_m) is None)
+
+    def look_at_shut(self, frontiers: Sequence[Frontier], now_s: float) -> Choice | None:
+        """Return the first place, of those that look at shut ways, that is not put aside."""
+        for frontier in self.worth_going(frontiers, now_s):
+            return Choice(frontier, "look whether the way beyond is open by now")
+        return None
 
     def choose(self, view: ExplorationView) -> Choice | None:
         """Return the frontier to go to in view of the robots that are heard, None where there is none.
@@ -137,7 +164,7 @@ class Goals:
         best = self.coordination.choose(team)
         chosen = view.frontiers[best]
         if self._draws_back(chosen.goal_m):
-            self.put_aside(chosen.goal_m, view.now_s)
+            self.put_aside(chosen.goal_m, view.now_s, hindered=True)
             return self.choose(replace(view, frontiers=self.worth_going(view.frontiers, view.now_s)))
         self._planned += self._ways_planned(team, chosen)
         self.reports = _reports(view.frontiers, [float(worth) for worth in team.own], best)

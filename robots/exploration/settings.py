@@ -10,6 +10,7 @@ class SafeGroundConfig:
     """Strategies over safe and free ground (Amigoni 2013)."""
 
     safe_m: float = 3.0  # so far round the robot the ground is safe
+    sweep: bool = False  # waymark makes ground safe, rather than seeing it from afar
     base_reach_m: float = 30.0  # at which the chance to reach the base by radio is 61 %
 
 

@@ -14,7 +14,7 @@ from robots.routes.ways import Way, shortest_ways
 from robots.se2 import Array
 
 _HAZARD_REACH_M = 2.0
-_HAZARD_COST_M = 50.0  # so long a detour is better than passing a hazard
+_HAZARD_COST_CM = 5000  # so long a detour is better than passing a hazard
 
 
 class NoRouteError(ValueError):
@@ -39,29 +39,41 @@ class Leg:
 
 
 class RouteMap:
-    """Tags and the ways between them. ``sds_m``: how well each tag's place is known."""
+    """Tags and the ways between them. ``sds_m``: how well each tag's place is known.
+
+    Costs are whole centimetres: a phone that adds them in another order finds the same route.
+    """
 
     def __init__(
         self, ways: Iterable[Way], sds_m: Mapping[str, float] | None = None, hazards: Sequence[Hazard] = ()
     ) -> None:
         self._ways = shortest_ways(ways)
         self._sds_m = sds_m or {}
-        self._next: dict[str, list[tuple[str, float]]] = defaultdict(list)
+        self._all_hazards = tuple(hazards)
+        self._next: dict[str, list[tuple[str, int]]] = defaultdict(list)
         self._hazards: dict[tuple[str, str], tuple[str, ...]] = {}
         for key, way in self._ways.items():
-            found = tuple(hazard.text for hazard in hazards if _is_near(way.points_m, hazard))
-            self._hazards[key] = found
-            self._next[key[0]].append((key[1], way.length_m + _HAZARD_COST_M * len(found)))
+            self._hazards[key] = found = self.hazards_near(way.points_m)
+            self._next[key[0]].append((key[1], centimetres(way.length_m) + _HAZARD_COST_CM * len(found)))
 
     @property
     def tags(self) -> frozenset[str]:
         """The tags that a way leads to."""
         return frozenset(self._next)
 
+    @property
+    def ways(self) -> list[Way]:
+        """The ways, one for each pair of tags that are next to each other."""
+        return [way for (a, b), way in self._ways.items() if a < b]
+
+    def hazards_near(self, points_m: Array) -> tuple[str, ...]:
+        """Return what a line of points (n, 2) passes."""
+        return tuple(hazard.text for hazard in self._all_hazards if _is_near(points_m, hazard))
+
     def neighbours(self, tag_id: str) -> list[Way]:
         """Return the ways from a tag to those next to it, the shortest first."""
         ways = [self._ways[tag_id, other] for other, _ in self._next.get(tag_id, ())]
-        return sorted(ways, key=lambda way: (way.length_m, way.to_tag))
+        return sorted(ways, key=lambda way: (centimetres(way.length_m), way.to_tag))
 
     def route(
         self, from_tag: str, to_tags: Iterable[str], ends_m: Mapping[str, float] | None = None
@@ -71,14 +83,14 @@ class RouteMap:
         Raises:
             NoRouteError: no robot has driven from there to any of them.
         """
-        ends = {tag: 0.0 if ends_m is None else ends_m[tag] for tag in to_tags}
-        costs, before = {from_tag: 0.0}, dict[str, str]()
+        ends = {tag: 0 if ends_m is None else centimetres(ends_m[tag]) for tag in to_tags}
+        costs, before = {from_tag: 0}, dict[str, str]()
         done: set[str] = set()
-        best: tuple[float, str] | None = None
-        queue = [(0.0, from_tag)]
+        best: tuple[int, str] | None = None
+        queue = [(0, from_tag)]
         while queue:
             cost, tag = heapq.heappop(queue)
-            if best is not None and cost >= best[0]:
+            if best is not None and cost > best[0]:
                 break
             if tag in done:
                 continue
@@ -87,7 +99,7 @@ class RouteMap:
                 best = cost + ends[tag], tag
             for other, step in self._next.get(tag, ()):
                 total = cost + step
-                if total < costs.get(other, np.inf):
+                if other not in costs or total < costs[other]:
                     costs[other], before[other] = total, tag
                     heapq.heappush(queue, (total, other))
         if best is None:
@@ -101,6 +113,11 @@ class RouteMap:
     def _leg(self, a: str, b: str) -> Leg:
         sd_m = float(np.hypot(self._sds_m.get(a, 0.0), self._sds_m.get(b, 0.0)))
         return Leg(self._ways[a, b], self._hazards[a, b], sd_m)
+
+
+def centimetres(length_m: float) -> int:
+    """Return a length in whole centimetres."""
+    return round(100.0 * length_m)
 
 
 def _is_near(points_m: Array, hazard: Hazard) -> bool:

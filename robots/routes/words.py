@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from itertools import pairwise
 from math import atan2, degrees
 
 import numpy as np
 
 from robots.routes.planner import Leg
+from robots.routes.texts import Language, say
 from robots.se2 import Array
 
-_POINTS = ("north", "north-east", "east", "south-east", "south", "south-west", "west", "north-west")
+_POINTS = ("north", "north_east", "east", "south_east", "south", "south_west", "west", "north_west")
 _STRAIGHT_DEG = 35.0  # a smaller turn is no turn
 _UNCERTAIN_M, _UNCERTAIN_SHARE = 1.0, 0.25
 
@@ -21,9 +23,9 @@ def bearing_deg(start: Array, end: Array) -> float:
     return float(-degrees(atan2(dy, dx)) % 360.0)
 
 
-def compass_point(bearing: float) -> str:
+def compass_point(bearing: float, language: Language = "en") -> str:
     """Return the nearest of eight points of the compass."""
-    return _POINTS[round(bearing / 45.0) % 8]
+    return say(language, _POINTS[round(bearing / 45.0) % 8])
 
 
 def is_uncertain(leg: Leg) -> bool:
@@ -31,28 +33,34 @@ def is_uncertain(leg: Leg) -> bool:
     return leg.sd_m > _UNCERTAIN_M or leg.sd_m > _UNCERTAIN_SHARE * leg.way.length_m
 
 
-def leg_text(leg: Leg) -> str:
+def leg_text(leg: Leg, language: Language = "en") -> str:
     """Return a leg as a sentence: "Go 6 m north, turn left and go 3 m to tag A4."."""
-    points = leg.way.points_m
-    about = "about " if is_uncertain(leg) else ""
+
+    def piece(key: str, way: str, run_m: float) -> str:
+        far = metres(run_m)
+        return say(language, key, way=way, far=say(language, "about", far=far) if is_uncertain(leg) else far)
+
     pieces: list[str] = []
+    key, way, run_m = "go", "", 0.0
     before: float | None = None
-    run_m = 0.0
-    for start, end in pairwise(points):
+    for start, end in pairwise(leg.way.points_m):
         bearing, step_m = bearing_deg(start, end), float(np.hypot(*(end - start)))
         turn = 0.0 if before is None else (bearing - before + 180.0) % 360.0 - 180.0
         if before is None:
-            pieces.append(f"go {about}{{}} {compass_point(bearing)}")
+            way = compass_point(bearing, language)
         elif abs(turn) > _STRAIGHT_DEG:
-            pieces[-1] = pieces[-1].format(metres(run_m))
+            pieces.append(piece(key, way, run_m))
             side = "round" if abs(turn) > 145.0 else "left" if turn < 0.0 else "right"
-            pieces.append(f"turn {side} and go {about}{{}}")
-            run_m = 0.0
+            key, run_m = f"turn_{side}", 0.0
         run_m, before = run_m + step_m, bearing
-    pieces[-1] = pieces[-1].format(metres(run_m))
-    text = ", ".join(pieces) + f" to tag {leg.way.to_tag}"
-    warning = "".join(f" Take care: {hazard}." for hazard in leg.hazards)
-    return f"{text[0].upper()}{text[1:]}.{warning}"
+    text = ", ".join([*pieces, piece(key, way, run_m)])
+    sentence = say(language, "leg", pieces=text[0].upper() + text[1:], tag=leg.way.to_tag)
+    return sentence + warning(leg.hazards, language)
+
+
+def warning(hazards: Iterable[str], language: Language = "en") -> str:
+    """Return what to take care of, as sentences with a gap before each."""
+    return "".join(f" {say(language, 'take_care', hazard=hazard)}" for hazard in hazards)
 
 
 def metres(distance_m: float) -> str:

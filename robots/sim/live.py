@@ -24,6 +24,7 @@ from robots.config import AgentConfig
 from robots.orders import RobotOrder
 from robots.sim.arguments import add_scenario_arguments, scenario_from_arguments
 from robots.sim.pilots import Agent, AgentFactory, Merge, Pilot
+from robots.sim.responder import Responder
 from robots.sim.runner import mission_score, radio
 from robots.sim.scenario import START_SD_M, START_SD_RAD, RadioCut, ScenarioConfig, ScenarioError, is_cut
 from robots.sim.score import Score
@@ -122,9 +123,11 @@ def play(
     agent_factory: AgentFactory = RobotAgent,
     merge: Merge = merge_commands,
     client_type: type[RobotClient] = RobotClient,
+    responder: str = "",
 ) -> LiveResult:
     """Play a scenario on a server, ``speed`` times as fast as real time (0: as fast as it answers).
 
+    ``responder``: the name of somebody who walks to the victims that are found, where nobody has to log in.
     Waits for a server that is away and sends again. Ends early when ``stop`` is set, from any thread.
 
     Raises:
@@ -150,6 +153,8 @@ def play(
                 robot_id: _pilot(simulation, robot_id, client, agent_factory, merge)
                 for robot_id, client in clients.items()
             }
+            if responder:
+                Responder(simulation, url, mission_id, responder, speed, ended).start()
             _play(simulation, pilots, threads, speed, stop, progress)
         except ClientError as error:
             if error.code != "closed":
@@ -242,6 +247,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser.add_argument("--url", default="http://127.0.0.1:8000", help="address of mission control")
     parser.add_argument("--mission", required=True, help="mission id; created where it does not exist")
     parser.add_argument("--name", help="the mission's name on screen")
+    parser.add_argument("--responder", default="", help="name of somebody who walks to the victims found")
     parser.add_argument("--speed", type=float, default=1.0, help="times real time; 0: as fast as it answers")
     add_scenario_arguments(parser)
     arguments = parser.parse_args(argv)
@@ -252,7 +258,13 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         config = scenario_from_arguments(arguments)
         result = play(
-            config, arguments.url, arguments.mission, name=arguments.name, speed=arguments.speed, stop=stop
+            config,
+            arguments.url,
+            arguments.mission,
+            name=arguments.name,
+            speed=arguments.speed,
+            stop=stop,
+            responder=arguments.responder,
         )
     except (ScenarioError, WorldError, LiveError, ClientError) as error:
         print(f"error: {error}", file=sys.stderr)

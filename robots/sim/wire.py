@@ -124,14 +124,15 @@ def order_to_wire(order: RobotOrder) -> Json:
     """Return the JSON object of an operator's order."""
     x_m, y_m = (None, None) if order.place_m is None else order.place_m
     wire: Json = {"order_id": order.order_id, "kind": order.kind, "by": order.by, **_fields(order.methods)}
-    return {**wire, "x_m": x_m, "y_m": y_m}
+    return {**wire, "x_m": x_m, "y_m": y_m, "area_m": [list(corner) for corner in order.area_m]}
 
 
 def order_from_wire(wire: Json) -> RobotOrder:
     """Return an operator's order of a reply's JSON object."""
     place = None if wire["x_m"] is None else (float(wire["x_m"]), float(wire["y_m"]))
     methods = Methods(*(wire[name] for name in Methods.__slots__))
-    return RobotOrder(wire["order_id"], wire["kind"], wire["by"], place, methods)
+    area = tuple((float(x), float(y)) for x, y in wire.get("area_m", ()))
+    return RobotOrder(wire["order_id"], wire["kind"], wire["by"], place, methods, area)
 
 
 def pose_to_wire(pose: Pose2) -> Json:

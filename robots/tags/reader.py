@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from robots.tags.chip import Chip, Layout, format_chip, read_chip
-from robots.tags.record import content_bytes, halves, plan_writes
+from robots.tags.record import all_records, content_bytes, halves, plan_writes
 
 
 class TagGoneError(OSError):
@@ -58,7 +58,7 @@ def read_tag(reader: TagReader) -> TagImage:
     memory = reader.read()
     link, layout = read_chip(memory)
     payload = _payload(memory, layout)
-    records = tuple(record for _, record in halves(payload, reader.chip, layout))
+    records = all_records(payload, reader.chip, layout)
     room = content_bytes(reader.chip, layout)
     return TagImage(link, records, room, not records and any(payload))
 

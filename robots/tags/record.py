@@ -121,6 +121,16 @@ def halves(payload: bytes, chip: Chip, layout: Layout) -> list[tuple[int, bytes]
     return found
 
 
+def all_records(payload: bytes, chip: Chip, layout: Layout) -> tuple[bytes, ...]:
+    """Return the whole records in a chip's payload, the newest half first; phones' notes lie behind."""
+    size = _half(chip, layout)
+    return tuple(
+        record
+        for half, _ in halves(payload, chip, layout)
+        for record in split(payload[half * size : (half + 1) * size])
+    )
+
+
 def plan_writes(
     memory: bytes, chip: Chip, layout: Layout, record: bytes, over: int | None
 ) -> list[tuple[int, bytes]]:

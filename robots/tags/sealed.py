@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import reduce
 
 from robots.tags.content import decode_memory, encode_memory
+from robots.tags.marks import Note
 from robots.tags.memory import TagMemory, TagMemoryError
 from robots.tags.record import OVERHEAD, is_newer, revision_of, seal, split, unseal
 
@@ -42,6 +44,17 @@ def open_memory(data: bytes, tag_id: str, key: bytes) -> TagSays:
     believed = [record for record in records if unseal(record, tag_id, key).trusted]
     content = unseal(_newest(believed or records), tag_id, key).content
     return TagSays(decode_memory(content), revision_of(_newest(records)) + 1, bool(believed))
+
+
+def unsealed_notes(data: bytes, tag_id: str, key: bytes) -> tuple[Note, ...]:
+    """Return the notes in records without the mission's seal, as phones leave them: for people to read."""
+    found: dict[Note, None] = {}
+    for record in split(data):
+        said = unseal(record, tag_id, key)
+        if not said.trusted:
+            with suppress(TagMemoryError):
+                found |= dict.fromkeys(decode_memory(said.content).notes.notes)
+    return tuple(found)
 
 
 def close_memory(memory: TagMemory, revision: int, tag_id: str, key: bytes, room_bytes: int) -> bytes:

@@ -110,6 +110,7 @@ class TeamHost:
         self._shares: dict[str, _Share] = {}
         self._begun = asyncio.Event()
         self._changed = asyncio.Event()
+        self._solving = False
         self._worker: Worker | None = None
         self._task = asyncio.create_task(self._run(), name=f"team map of {name}")
 
@@ -135,13 +136,23 @@ class TeamHost:
 
     def way(self, robot_id: str, until_seq: int) -> Array:
         """Return where a robot was up to an observation, as ``server.agents.best`` takes it: shape (n, 6)."""
-        steps = [step for step in self._shares[robot_id].steps.values() if step.seq <= until_seq]
+        share = self._shares.get(robot_id)  # none where the mission is over
+        steps = [step for step in share.steps.values() if step.seq <= until_seq] if share else []
         rows = [(s.seq, s.stamp_s, s.anchor, *s.anchor_from_base.as_array()) for s in steps]
         return np.array(rows, np.float64).reshape(-1, 6)
+
+    def submaps(self, robot_id: str) -> list[SubmapReport]:
+        """Return the latest submaps of a robot."""
+        return list(self._shares[robot_id].submaps.values()) if robot_id in self._shares else []
 
     def begin(self) -> None:
         """Solve from now on."""
         self._begun.set()
+
+    async def settled(self) -> None:
+        """Wait until everything that was put is in a map that was passed on."""
+        while self._changed.is_set() or self._solving:
+            await asyncio.sleep(0.05)
 
     async def close(self) -> None:
         """End the process."""
@@ -156,6 +167,7 @@ class TeamHost:
         while True:
             await self._changed.wait()
             self._changed.clear()
+            self._solving = True
             began_s = time.monotonic()
             try:
                 update = await self._solve()
@@ -176,6 +188,7 @@ class TeamHost:
                 await self._on_update(update)
             except Exception:  # the next solution is independent of this one
                 log.exception("a team map could not be published", mission_id=self._name)
+            self._solving = False
             await asyncio.sleep(max(0.0, _PERIOD_S - (time.monotonic() - began_s)))
 
     async def _solve(self) -> TeamUpdate:

@@ -8,6 +8,7 @@ from typing import Annotated, Any
 
 from fastapi import APIRouter, Query
 
+from db.mission_records import GeoreferenceRecord
 from db.records import AnnotationRecord
 from server.api.common import ERRORS, AllMissions, Commander, OneMission, Operator, Responder, TheChange
 from server.errors import ApiError, unknown
@@ -76,6 +77,20 @@ async def take_back(
             await mission.annotations.remove(entry.subject)
         else:
             await mission.annotations.put(AnnotationRecord.of(entry.before))
+    elif entry.action in ("put_sector", "delete_sector"):
+        if plain(mission.sectors.value(entry.subject)) != entry.after:
+            raise changed
+        if entry.before is None:
+            await mission.sectors.remove(entry.subject)
+        else:
+            await mission.sectors.put_back(entry.before)
+    elif entry.action in ("put_georeference", "delete_georeference"):
+        if plain(mission.georeferences.value()) != entry.after:
+            raise changed
+        before = None if entry.before is None else GeoreferenceRecord.of(entry.before)
+        await mission.georeferences.set(before, by.name)
+    elif entry.action == "delete_photo":
+        await mission.photos.put_back(entry.subject)
     else:
-        message = "Only changes of victims and of annotations can be taken back."
+        message = "Only changes of what is on the map can be taken back."
         raise ApiError(409, "cannot_undo", message, "audit_id")

@@ -37,10 +37,23 @@ def all_missions(request: Request) -> Missions:
 AllMissions = Annotated[Missions, Depends(all_missions)]
 
 
+ON_ONE_THAT_IS_OVER = {
+    "start_mission", "pause_mission", "close_mission", "archive_mission", "reopen_mission",
+    "stop_robots", "resume_robots", "order_evacuation", "end_evacuation", "acknowledge_evacuation",
+    "acknowledge_alert", "call_mayday", "end_mayday", "make_best_map", "post_observations",
+}  # fmt: skip
+"""Changes that a closed mission takes: people's safety, and what settles or says by itself how it stands."""
+
+
 def _mission(
-    mission_id: Annotated[str, Path(description="The mission's id.")], missions: AllMissions
+    mission_id: Annotated[str, Path(description="The mission's id.")],
+    missions: AllMissions,
+    request: Request,
 ) -> Mission:
-    return missions.get(mission_id)
+    mission = missions.get(mission_id)
+    if request.method not in ("GET", "HEAD") and request.scope["route"].name not in ON_ONE_THAT_IS_OVER:
+        mission.lifecycle.check_open()
+    return mission
 
 
 OneMission = Annotated[Mission, Depends(_mission)]

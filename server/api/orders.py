@@ -54,7 +54,10 @@ async def give_order(
     """Keep an order until the robot is heard next; it goes into the log with that observation."""
     mission.roster.get(robot_id)
     change.subject = robot_id
-    return await _issue(mission, _record(robot_id, body.kind, by.name, x_m=body.x_m, y_m=body.y_m))
+    return await _issue(
+        mission,
+        _record(robot_id, body.kind, by.name, x_m=body.x_m, y_m=body.y_m, area_m=corners(body.area_m)),
+    )
 
 
 @router.get(f"{_ROBOT}/orders", summary="Orders to a robot", operation_id="get_orders")
@@ -70,6 +73,11 @@ async def get_frontiers(robot_id: str, mission: OneMission) -> FrontiersOut:
     """Return the edges of the unknown as the robot weighed them last, in the world frame."""
     value = frontiers_value(mission.roster.get(robot_id))
     return FrontiersOut.model_validate(value or {"robot_id": robot_id, "frontiers": []})
+
+
+def corners(area: list[list[float]]) -> tuple[tuple[float, float], ...]:
+    """Return an area of the wire as it is stored."""
+    return tuple((x, y) for x, y in area)
 
 
 def _record(robot_id: str, kind: OrderKind, by: str, **more: Any) -> OrderRecord:

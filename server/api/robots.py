@@ -13,9 +13,10 @@ from robots.agent import RobotAgent
 from robots.config import AgentConfig, ConfigError
 from robots.overrides import override
 from server.api.common import ERRORS, READS, OneMission, RobotOrOperator, TheChange
+from server.board import Board
 from server.errors import ApiError
 from server.people.audit import AuditedRoute
-from server.robot import Robot, robot_value
+from server.robot import Robot
 from server.schemas.missions import RobotIn, RobotOut, RobotsOut, SilenceWire, StartPoseWire
 
 router = APIRouter(
@@ -30,7 +31,7 @@ router = APIRouter(
 @router.get("", summary="The robots of a mission", operation_id="get_robots")
 async def get_robots(mission: OneMission) -> RobotsOut:
     """Return every robot in the order in which they registered."""
-    return RobotsOut(robots=[_out(robot) for robot in mission.roster.robots.values()])
+    return RobotsOut(robots=[_out(robot, mission.board) for robot in mission.roster.robots.values()])
 
 
 @router.post("", status_code=201, summary="Join a mission", operation_id="register_robot")
@@ -56,13 +57,13 @@ async def register_robot(
     )
     robot, is_new = await mission.register(record)
     response.status_code = 201 if is_new else 200
-    return _out(robot)
+    return _out(robot, mission.board)
 
 
 @router.get("/{robot_id}", summary="One robot", operation_id="get_robot")
 async def get_robot(robot_id: str, mission: OneMission) -> RobotOut:
     """Return a robot with its latest state."""
-    return _out(mission.roster.get(robot_id))
+    return _out(mission.roster.get(robot_id), mission.board)
 
 
 def _config(body: RobotIn, tag_key: str) -> AgentConfig:
@@ -79,7 +80,7 @@ def _config(body: RobotIn, tag_key: str) -> AgentConfig:
     return config
 
 
-def _out(robot: Robot) -> RobotOut:
+def _out(robot: Robot, board: Board) -> RobotOut:
     record, start = robot.record, robot.record.start_pose
     return RobotOut(
         robot_id=record.robot_id,
@@ -94,5 +95,5 @@ def _out(robot: Robot) -> RobotOut:
         next_seq=robot.next_seq,
         stopped=robot.stopped,
         link=robot.link,
-        state=robot_value(robot),
+        state=board.get(f"robot/{record.robot_id}"),
     )

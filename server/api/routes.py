@@ -7,12 +7,14 @@ from typing import Annotated
 from fastapi import APIRouter, Query
 
 from robots.routes.planner import Leg
+from robots.routes.texts import Language
 from robots.routes.words import bearing_deg, is_uncertain, leg_text
+from robots.tags.short_id import understood
 from server.api.common import ERRORS, READS, AllMissions, OneMission, Viewer
 from server.errors import ApiError
 from server.mission.whereabouts import whereabouts
 from server.people.audit import AuditedRoute
-from server.schemas.routes import LastOut, LegOut, NearVictimOut, NeighbourOut, RouteOut, WhereOut
+from server.schemas.routes import LastOut, LegOut, NearVictimOut, NeighbourOut, RouteOut, TypedOut, WhereOut
 
 where = APIRouter(tags=["routes"], responses=ERRORS, dependencies=READS)
 router = APIRouter(
@@ -24,16 +26,18 @@ router = APIRouter(
 )
 From = Annotated[str, Query(alias="from", max_length=100, description="The tag you are at.")]
 OfMission = Annotated[str | None, Query(max_length=100, description="Only this mission.")]
+Typed = Annotated[str, Query(max_length=100, description="What is written on the tag, as typed.")]
+Speaks = Annotated[Language, Query(description="The language of the words.")]
 To = Annotated[str, Query(max_length=120, description="victim:ID, tag:ID or note:ID.")]
 
 
 @router.get("", summary="The way there", operation_id="get_route")
-async def get_route(mission: OneMission, from_: From, to: To) -> RouteOut:
+async def get_route(mission: OneMission, from_: From, to: To, language: Speaks = "en") -> RouteOut:
     """Return tags to follow one after the other, each with distance, bearing and what to do in words.
 
     It runs where robots have driven, round hazards where that is possible, and says where it is uncertain.
     """
-    route = mission.routes.find(mission.shared_map.grid, from_, to)
+    route = mission.routes.find(mission.shared_map.grid, from_, to, language)
     last = None
     if route.last is not None:
         start, end = route.last.points_m
@@ -49,13 +53,15 @@ async def get_route(mission: OneMission, from_: From, to: To) -> RouteOut:
         x_m=route.to_m[0],
         y_m=route.to_m[1],
         distance_m=route.distance_m,
-        legs=[_leg(leg) for leg in route.legs],
+        legs=[_leg(leg, language) for leg in route.legs],
         last=last,
     )
 
 
 @where.get("/where/{tag_id}", summary="Where am I?", operation_id="get_where")
-async def get_where(tag_id: str, missions: AllMissions, by: Viewer, mission: OfMission = None) -> WhereOut:
+async def get_where(
+    tag_id: str, missions: AllMissions, by: Viewer, mission: OfMission = None, language: Speaks = "en"
+) -> WhereOut:
     """Return where a tag is, in the latest running mission that has it, and what is near it."""
     able = [
         m
@@ -65,7 +71,7 @@ async def get_where(tag_id: str, missions: AllMissions, by: Viewer, mission: OfM
     if not able:
         raise ApiError(404, "unknown_tag", f"No mission here knows a tag {tag_id!r}; check its number.")
     latest = max(able, key=lambda m: (m.roster.record.state == "running", m.roster.record.created_unix_s))
-    found = whereabouts(latest.board, latest.routes, latest.shared_map.grid, tag_id)
+    found = whereabouts(latest.board, latest.routes, latest.shared_map.grid, tag_id, language)
     return WhereOut(
         **found
         | {
@@ -77,14 +83,22 @@ async def get_where(tag_id: str, missions: AllMissions, by: Viewer, mission: OfM
     )
 
 
-def _leg(leg: Leg) -> LegOut:
+@where.get("/where", summary="Which tag is meant?", operation_id="get_typed")
+async def get_typed(typed: Typed, missions: AllMissions, by: Viewer) -> TypedOut:
+    """Return the tags that one means who types what a label says, with or without its check character."""
+    able = [m for m in missions.all() if by.is_for(m.mission_id)]
+    found = understood(typed, {tag["tag_id"] for m in able for tag in m.board.of_kind("tag")})
+    return TypedOut(tag_ids=list(found.tag_ids), trouble=found.trouble)
+
+
+def _leg(leg: Leg, language: Language) -> LegOut:
     way = leg.way
     return LegOut(
         from_tag=way.from_tag,
         to_tag=way.to_tag,
         distance_m=way.length_m,
         bearing_deg=bearing_deg(way.points_m[0], way.points_m[1]),
-        text=leg_text(leg),
+        text=leg_text(leg, language),
         points_m=[[round(float(x), 2), round(float(y), 2)] for x, y in way.points_m],
         uncertain=is_uncertain(leg),
         hazards=list(leg.hazards),

@@ -19,6 +19,8 @@ _KNOWN = (
     "ekf",
     "decision",
     "exploration",
+    "outbox",
+    "phone",
 )
 
 
@@ -26,7 +28,7 @@ def bench(
     names: Annotated[
         list[str] | None,
         typer.Argument(
-            metavar="[office|latency|scan-match|solve|incremental|rslam|ekf|decision|exploration]..."
+            metavar="[office|latency|scan-match|solve|incremental|rslam|ekf|decision|exploration|outbox|phone]..."
         ),
     ] = None,
     map_spec: Annotated[
@@ -41,7 +43,10 @@ def bench(
     pairs: Annotated[
         int, typer.Option(min=1, max=100_000, metavar="N", help="Pairs in each building of `scan-match`.")
     ] = 200,
-    seed: Annotated[int, typer.Option(min=0, metavar="S", help="Seed of `scan-match`.")] = 1,
+    seed: Annotated[int, typer.Option(min=0, metavar="S", help="Seed of `scan-match` and `outbox`.")] = 1,
+    sequences: Annotated[
+        int, typer.Option(min=1, max=10_000, metavar="N", help="Sequences of faults in `outbox`.")
+    ] = 1000,
     graphs: Annotated[
         list[Path] | None,
         typer.Option(
@@ -66,6 +71,8 @@ def bench(
             continue
         if name == "scan-match":
             results[name] = _scan_match(maps, pairs, seed)
+        elif name in ("outbox", "phone"):
+            results[name] = _in_browser(name, sequences, seed)
         else:
             results[name] = _measure(name, map_spec, minutes, seconds)
         if not as_json:
@@ -98,6 +105,16 @@ def _measure(name: str, map_spec: str, minutes: float, seconds: float) -> dict[s
     from server.benchmarks import latency
 
     return latency.measure(seconds=seconds)
+
+
+def _in_browser(name: str, sequences: int, seed: int) -> dict[str, Any]:
+    from server.benchmarks import outbox, phone
+    from server.benchmarks.browser import CannotMeasureError
+
+    try:
+        return outbox.measure(sequences, seed) if name == "outbox" else phone.measure()
+    except CannotMeasureError as error:
+        raise CommandError(str(error)) from error
 
 
 def _no_graph(name: str) -> Path:

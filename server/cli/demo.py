@@ -89,6 +89,8 @@ def demo(
 
         mission = "demo" if data is None else f"demo-{int(time.time())}"
         arguments = ["--mission", mission, "--name", "Demonstration", "--speed", str(speed), *scenario]
+        if settings.login == "off":  # where people log in, nobody can do so for them
+            arguments += ["--responder", "Kim"]
         stack.enter_context(SimulatedTeam(settings, arguments, open_browser))
         run_server(settings)
 

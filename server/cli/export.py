@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import os
-from collections.abc import AsyncIterator
+from collections.abc import Awaitable, Callable
 from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -12,10 +12,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from server.cli.console import CommandError, print_json, print_table, progress
-from server.cli.options import JsonOption
+from server.cli.options import DatabaseOption, JsonOption, ServerOption
 from server.cli.serve import DataOption
 
 if TYPE_CHECKING:
+    from db.records import MissionRecord
+    from db.store import Store
     from server.settings import Settings
 
 _PIECE = 2**16  # bytes
@@ -26,12 +28,8 @@ def export(
     mission: Annotated[str, typer.Argument(metavar="MISSION", help="The mission's id.")],
     out: Annotated[Path, typer.Option(metavar="FILE", help="Where to write it.")],
     data: DataOption = None,
-    database: Annotated[
-        str | None, typer.Option(metavar="FILE|URL", help="Database, where it is not a file in --data.")
-    ] = None,
-    server: Annotated[
-        str | None, typer.Option(metavar="URL", help="Ask this mission control, which may go on meanwhile.")
-    ] = None,
+    database: DatabaseOption = None,
+    server: ServerOption = None,
     json: JsonOption = False,
 ) -> None:
     """Write a mission's configuration and all that its robots observed to a file, for waymark replay log."""
@@ -39,10 +37,7 @@ def export(
 
     if what != "log":
         raise CommandError(f"waymark export writes a log, not {what!r}")
-    if server is not None and (data is not None or database is not None):
-        raise CommandError(
-            "--server asks a mission control for what --data and --database name; leave them out"
-        )
+    check_source(server, data, database)
     part = out.with_name(out.name + ".part")
     try:
         with part.open("wb") as file, progress() as display:
@@ -53,10 +48,10 @@ def export(
                 display.advance(task, len(piece))
 
             if server is not None:
-                _download(server, mission, write)
+                download(server, mission, "log", write)
             else:
                 settings = make_settings(data_dir=data, database=database, port=0)
-                asyncio.run(_read_database(settings, mission, write))
+                read_database(settings, mission, _write_log(write))
         os.replace(part, out)
     except OSError as error:
         raise CommandError(f"--out {out}: cannot be written ({error.strerror or error})") from error
@@ -70,10 +65,34 @@ def export(
         print_table(f"log of {mission}", result)
 
 
-async def _read_database(settings: Settings, mission_id: str, write: Any) -> None:
+def check_source(server: str | None, data: Path | None, database: str | None) -> None:
+    """Refuse a server beside a database.
+
+    Raises:
+        CommandError: both were named.
+    """
+    if server is not None and (data is not None or database is not None):
+        raise CommandError(
+            "--server asks a mission control for what --data and --database name; leave them out"
+        )
+
+
+def read_database(
+    settings: Settings, mission_id: str, work: Callable[[Store, MissionRecord], Awaitable[None]]
+) -> None:
+    """Do something with a mission of a database.
+
+    Raises:
+        CommandError: there is no such database or mission, or it cannot be read.
+    """
+    asyncio.run(_read_database(settings, mission_id, work))
+
+
+async def _read_database(
+    settings: Settings, mission_id: str, work: Callable[[Store, MissionRecord], Awaitable[None]]
+) -> None:
     from db.errors import DatabaseError
     from db.store import Store
-    from server.mission_log import mission_log
 
     target = settings.database_target
     if "://" not in target and not Path(target).exists():
@@ -87,17 +106,25 @@ async def _read_database(settings: Settings, mission_id: str, write: Any) -> Non
         if mission_id not in missions:
             names = ", ".join(missions) or "none"
             raise CommandError(f"there is no mission {mission_id!r} in {target}; there are: {names}")
-        pieces: AsyncIterator[bytes] = mission_log(store, missions[mission_id])
-        async for piece in pieces:
-            write(piece)
+        await work(store, missions[mission_id])
     except DatabaseError as error:
         raise CommandError(str(error)) from error
     finally:
         await store.close()
 
 
-def _download(url: str, mission_id: str, write: Any) -> None:
-    """Take the log from a mission control.
+def _write_log(write: Callable[[bytes], object]) -> Callable[[Store, MissionRecord], Awaitable[None]]:
+    async def work(store: Store, record: MissionRecord) -> None:
+        from server.mission_log import mission_log
+
+        async for piece in mission_log(store, record):
+            write(piece)
+
+    return work
+
+
+def download(url: str, mission_id: str, what: str, write: Callable[[bytes], object]) -> None:
+    """Take something of a mission from a mission control; ``what`` is the last part of its address.
 
     Raises:
         CommandError: it cannot be reached, or refuses.
@@ -110,7 +137,7 @@ def _download(url: str, mission_id: str, write: Any) -> None:
 
     if not url.startswith(("http://", "https://")):
         raise CommandError(f"--server {url} is not the address of a server; it begins with http://")
-    address = f"{url.rstrip('/')}/api/v1/missions/{quote(mission_id, safe='')}/log"
+    address = f"{url.rstrip('/')}/api/v1/missions/{quote(mission_id, safe='')}/{what}"
     try:
         token = os.environ.get("WAYMARK_TOKEN")
         headers = {"Authorization": f"Bearer {token}"} if token else {}

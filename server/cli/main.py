@@ -10,12 +10,15 @@ import typer
 
 from server.cli import (
     bench,
+    ca,
     demo,
     evaluate,
     experiment,
     export,
     fit_radio,
+    labels,
     replay,
+    report,
     serve,
     simulate,
     solve,
@@ -40,11 +43,14 @@ def build() -> typer.Typer:
     command.command("replay")(replay.replay)
     command.command("evaluate")(evaluate.evaluate)
     command.command("export")(export.export)
+    command.command("report")(report.report)
     command.command("solve")(solve.solve)
     command.command("fit-radio")(fit_radio.fit_radio)
     command.command("experiment")(experiment.experiment)
     command.command("bench")(bench.bench)
     command.add_typer(tag.tag)
+    command.command("ca")(ca.ca)
+    command.command("labels")(labels.labels)
     command.command("warm")(warm.warm)
     return command
 

@@ -12,6 +12,12 @@ import typer
 
 from server.cli.console import CommandError
 
+DatabaseOption = Annotated[
+    str | None, typer.Option(metavar="FILE|URL", help="Database, where it is not a file in --data.")
+]
+ServerOption = Annotated[
+    str | None, typer.Option(metavar="URL", help="Ask this mission control, which may go on meanwhile.")
+]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout and nothing else.")]
 OutOption = Annotated[
     Path | None, typer.Option(metavar="DIR", help="Write trajectories, tags.csv, map.png and map.yaml there.")

@@ -37,6 +37,9 @@ def serve(
     commander_link: Annotated[
         bool, typer.Option("--commander-link", help="Print a link for a commander, as when locked out.")
     ] = False,
+    tls: Annotated[
+        bool, typer.Option("--tls", help="Serve https with the certificate that waymark ca made.")
+    ] = False,
     log_level: Annotated[
         str | None, typer.Option(metavar="LEVEL", help="Least level logged: DEBUG, INFO, WARNING, ERROR.")
     ] = None,
@@ -49,6 +52,7 @@ def serve(
         database=database,
         login=login,
         commander_link=commander_link or None,
+        tls=tls or None,
         log_level=log_level,
     )
     print(f"Waymark is opening at {settings.address} (Ctrl-C ends it).", flush=True)
@@ -106,13 +110,14 @@ def run_server(settings: Settings) -> None:
     """
     from db.errors import DatabaseError
     from server.serve import run
+    from server.tls.authority import AuthorityError
 
     # uvicorn ends gracefully, then sends itself the signal again, which has to leave through our contexts
     before = signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))
     try:
         settings.data_dir.mkdir(parents=True, exist_ok=True)
         run(settings)
-    except DatabaseError as error:
+    except (DatabaseError, AuthorityError) as error:
         raise CommandError(str(error)) from error
     except OSError as error:
         where = error.filename or settings.data_dir

@@ -16,6 +16,7 @@ from robots.tags.memory import TagMemory, TagMemoryError
 from robots.tags.record import seal
 from robots.tags.sealed import open_memory
 from robots.types import Observation, TagWrite
+from server.mission.chip_notes import ChipNotes
 from server.mission.events import Events
 
 log = structlog.get_logger()
@@ -24,11 +25,14 @@ log = structlog.get_logger()
 class Memories:
     """Tag memories by tag id; ``key`` is the mission's, which seals them."""
 
-    def __init__(self, store: Store, mission_id: str, key: bytes, events: Events) -> None:
+    def __init__(
+        self, store: Store, mission_id: str, key: bytes, events: Events, chip_notes: ChipNotes
+    ) -> None:
         self._store = store
         self._mission_id = mission_id
         self._key = key
         self._events = events
+        self._chip_notes = chip_notes
         self._told: dict[str, bytes] = {}  # memories that were not kept, by tag: what was told of already
 
     async def of(self, tag_id: str) -> bytes | None:
@@ -58,6 +62,7 @@ class Memories:
         read = {(s.tag_id, s.memory) for o in observations for s in o.tag_sightings if s.memory}
         for tag_id, records in sorted(read):
             try:
+                await self._chip_notes.take(tag_id, records)
                 await self._merge(tag_id, self._believed(tag_id, records), robot_id)
             except TagMemoryError as error:
                 if self._told.get(tag_id) != records:

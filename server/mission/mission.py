@@ -10,47 +10,54 @@ import time
 from collections.abc import Callable, Sequence
 from typing import Any
 
-import structlog
-
 from db.errors import DatabaseError
 from db.records import MissionRecord, ObservationRecord, RobotRecord
 from db.store import Store
 from robots import codec
-from robots.estimation.ranges.views import as_sightings
 from robots.team import TeamGrid
-from robots.types import AgentUpdate, Observation
-from server.agents.host import Answer
+from robots.types import Observation
 from server.agents.process import ForkServer
 from server.board import Board
 from server.differences import differences
 from server.errors import ApiError
+from server.history.recorder import Recorder
 from server.mission.alerts import Alerts
 from server.mission.annotations import Annotations
+from server.mission.base_map import BaseMap
 from server.mission.best_map import BestMap
+from server.mission.chip_notes import ChipNotes
 from server.mission.doubts import Doubts
+from server.mission.endings import Endings
 from server.mission.evacuation import Evacuation
 from server.mission.events import Events
+from server.mission.georeferences import Georeferences
+from server.mission.ground import Ground
+from server.mission.lifecycle import Lifecycle
 from server.mission.links import Links
 from server.mission.memories import Memories
 from server.mission.nodes import Nodes
 from server.mission.orders import Orders
+from server.mission.photos import Photos
+from server.mission.pocket import Pocket
 from server.mission.presence import Presence
+from server.mission.progress import Progress
 from server.mission.recovery import Recovery
 from server.mission.relay import Relay
 from server.mission.replies import fresh_of, reply_to
+from server.mission.reports import Reports
 from server.mission.robot_alerts import RobotAlerts
 from server.mission.roster import Roster
 from server.mission.routes import Routes
+from server.mission.sectors import Sectors
 from server.mission.senders import Senders
 from server.mission.shared_map import SharedMap
 from server.mission.stops import Stops
 from server.mission.tasks import Tasks
+from server.mission.thinking import Thinking
 from server.mission.victims import Victims
 from server.robot import Robot
 from server.schemas.observations import OnboardWire
 from server.settings import Settings
-
-log = structlog.get_logger()
 
 
 class Mission:
@@ -63,40 +70,63 @@ class Mission:
         forks: ForkServer,
         settings: Settings,
         on_grid: Callable[[str, TeamGrid], None],
+        board: Board | None = None,
     ) -> None:
         mission_id = record.mission_id
         self.mission_id = mission_id
-        self.board = Board()
+        self.board = Board() if board is None else board
         self.events = Events(store, mission_id, self.board)
         self.presence = Presence(self.board)
         self.routes = Routes(self.board)
         self.annotations = Annotations(store, mission_id, self.board)
         self.alerts = Alerts(store, mission_id, self.board, self.events)
+        self.photos = Photos(store, mission_id, self.board, self.events)
+        self.georeferences = Georeferences(store, mission_id, self.board, self.events)
+        self.base_map = BaseMap(store, mission_id, self.board, self.events)
+        self.sectors = Sectors(store, mission_id, self.board, self.events)
         self.evacuation = Evacuation(store, mission_id, self.board, self.events)
         self.victims = Victims(store, mission_id, self.board, self.events, self.alerts)
-        self.memories = Memories(store, mission_id, bytes.fromhex(record.tag_key), self.events)
+        tag_key = bytes.fromhex(record.tag_key)
+        chip_notes = ChipNotes(self.annotations, tag_key)
+        self.reports = Reports(
+            store, mission_id, self.board, self.annotations, self.victims, self.alerts, self.evacuation,
+            chip_notes,
+        )  # fmt: skip
+        self.memories = Memories(store, mission_id, tag_key, self.events, chip_notes)
         self.nodes = Nodes(store, mission_id, self.board, self.alerts)
         self._tasks = Tasks(mission_id)
         self.roster = Roster(record, store, forks, self.board, self.alerts, self._tasks)
         self.stops = Stops(store, self.roster, self.events)
+        self.lifecycle = Lifecycle(store, self.roster, self.events)
+        self.progress = Progress(store, mission_id, self.board)
         self.orders = Orders(store, mission_id, self.board, self.events)
         doubts = Doubts(store, mission_id, self.alerts)
         self.shared_map = SharedMap(store, forks, self.board, self.roster, self.victims, doubts, on_grid)
+        self.ground = Ground(store, self.roster, self.shared_map)
+        self.pocket = Pocket(self.board, self.roster, self.routes, self.shared_map)
         self.best_map = BestMap(store, forks, self.board, self.roster, self.shared_map, self._tasks)
+        self.history = Recorder(store, mission_id, self.board, lambda: self.shared_map.image)
         self._relay = Relay(self.roster)
         self._senders = Senders(store, mission_id, self.events)
         self._links = Links(self.roster, self.alerts, settings)
-        self._robot_alerts = RobotAlerts(self.alerts, self.events)
         self._recovery = Recovery(
             store, self.roster, self.shared_map, self.memories, self.orders, self._tasks, settings
         )
+        self._thinking = Thinking(
+            store, self.roster, self.shared_map, self._relay, self.memories, self.orders,
+            RobotAlerts(self.alerts, self.events), self._recovery, self.events,
+        )  # fmt: skip
+        self._endings = Endings(store, self.board, self.roster, self.shared_map, self._recovery)
         self._store = store
         self._settings = settings
-        self._tasks.spawn(self._links.watch())
+        if not record.is_over:
+            self._tasks.spawn(self._links.watch())
+            self._tasks.spawn(self.progress.watch())
 
     def begin(self) -> None:
         """Begin as a new mission."""
         self.shared_map.begin()
+        self.history.begin()
 
     async def restore(self) -> None:
         """Begin where the database says that it stood; the agents catch up in the background."""
@@ -104,16 +134,45 @@ class Mission:
         await self.alerts.restore()
         await self.evacuation.restore()
         await self.annotations.restore()
+        await self.photos.restore()
+        await self.georeferences.restore()
+        await self.base_map.restore()
+        await self.sectors.restore()
         await self.victims.restore()
+        await self.reports.restore()
         await self.nodes.restore()
         await self.orders.restore()
+        if self.roster.record.is_over and await self._endings.restore():
+            await self.history.restore()  # nothing begins: what people still do is recorded when they do it
+            return
         await self.shared_map.restore()
         await self._recovery.restore()
+        if self.roster.record.is_over:  # the server ended before it could keep the ending
+            self._tasks.spawn(self.rest())
+        await self.history.restore()
+        self.history.begin()
+
+    async def rest(self) -> None:
+        """Keep what the mission came to, and end its processes: it is over.
+
+        Raises:
+            DatabaseError: the ending could not be kept; it is tried again at the next start.
+        """
+        await self.progress.note()
+        await self._endings.keep()
+        await asyncio.gather(self.shared_map.close(), self.roster.close(), self.nodes.save())
+        await self._tasks.close()
+
+    async def go_on(self) -> None:
+        """Begin again after it was over; see ``restore``."""
+        await self._endings.forget()
+        await self.restore()
 
     async def close(self) -> None:
         """End the processes of all agents and of the team map."""
         await self._tasks.close()
         await asyncio.gather(self.shared_map.close(), self.roster.close(), self.nodes.save())
+        await self.history.close()
 
     async def register(self, record: RobotRecord) -> tuple[Robot, bool]:
         """Add a robot, or let it join again with the same words; say whether it is new.
@@ -135,12 +194,13 @@ class Mission:
         ``sender`` says from where they come, for people to read.
 
         Raises:
-            ApiError: a gap, stamps that run backwards, or too much waiting already, and nothing is kept
-                then; or the agent takes too long, and everything is kept.
+            ApiError: a mission that takes none now, a gap, stamps that run backwards, or too much waiting
+                already, and nothing is kept then; or the agent takes too long, and everything is kept.
         """
         robot = self.roster.get(robot_id)
+        self.lifecycle.check_running()
         if robot.waiting + len(batch) > self._settings.max_waiting:
-            if robot.stopped:
+            if robot.held:
                 return reply_to(robot, batch, 0, 0, [])
             text = f"The agent of {robot_id} is behind; send again in a second."
             raise ApiError(503, "busy", text, retry_after_s=1)
@@ -151,8 +211,8 @@ class Mission:
                 fresh = fresh_of(robot, batch)
                 if fresh:
                     await self._accept(robot, fresh)
-                elif robot.thought is not None and _failed(robot.thought):
-                    robot.thought = self._tasks.spawn(self._think(robot, None))
+                elif robot.thought_failed:
+                    robot.thought = self._tasks.spawn(self._thinking.think(robot, None))
                 thought = robot.thought
             await self._senders.check(robot, batch, len(fresh), sender)
             if fresh:
@@ -160,7 +220,7 @@ class Mission:
             if thought is not None:  # also for a batch that came before: its answer may not be there yet
                 await self._answered(robot, thought)
         except DatabaseError:
-            if not robot.stopped:
+            if not robot.held:
                 raise
             return reply_to(
                 robot, batch, 0, len(batch) - len(fresh), []
@@ -169,7 +229,7 @@ class Mission:
             robot.waiting -= len(batch)
         found = differences(robot, onboard)
         if onboard:
-            await self._tell_difference(robot, found)
+            await self._thinking.tell_difference(robot, found)
         orders = self.orders.waiting(robot) if robot.record.agent == "onboard" else ()
         return reply_to(robot, batch, len(fresh), len(batch) - len(fresh), found, orders)
 
@@ -188,7 +248,7 @@ class Mission:
         robot.last_stamp_s = fresh[-1].stamp_s
         robot.battery = next((o.battery for o in reversed(fresh) if o.battery is not None), robot.battery)
         robot.thought = self._tasks.spawn(
-            self._think(robot, [(record.seq, record.body) for record in records])
+            self._thinking.think(robot, [(record.seq, record.body) for record in records])
         )
         await self.orders.delivered(fresh)
         await self.memories.keep_read(robot.robot_id, fresh)
@@ -203,7 +263,7 @@ class Mission:
         give_up_s = time.monotonic() + self._settings.reply_s
         while True:
             done, _ = await asyncio.wait({thought}, timeout=self._settings.stop_reply_s)
-            if robot.stopped:
+            if robot.held:
                 return
             if done:
                 thought.result()
@@ -214,56 +274,3 @@ class Mission:
                     " send them again for its order."
                 )
                 raise ApiError(503, "agent_busy", text, retry_after_s=1)
-
-    async def _think(self, robot: Robot, records: list[tuple[int, bytes]] | None) -> None:
-        """Have the agent answer to observations; None for what has no answer, after a thought that failed."""
-        async with robot.thinking:
-            if records is None:
-                records = await robot.host.unanswered(robot.next_seq - 1)
-            answers = await robot.host.handle(records)
-            updates = [self._take(robot, answer) for answer in answers]
-            made = [update for update in updates if update is not None]
-            self._relay.take(robot, made)
-            await self._save(robot, made)
-            self.roster.publish([robot])
-            await self._robot_alerts.look(robot)
-            for update in made:
-                await self.orders.report(update)
-            for text in dict.fromkeys(doubt for update in made for doubt in update.doubts):
-                await self.events.tell("tag_doubtful", f"{robot.robot_id}: {text}", robot.robot_id, "warning")
-            self._recovery.snapshot_when_due(robot)
-
-    def _take(self, robot: Robot, answer: Answer) -> AgentUpdate | None:
-        if answer.update is None:
-            log.warning("refused by the agent", robot_id=robot.robot_id, seq=answer.seq, reason=answer.reason)
-            return None
-        update = codec.decode(answer.update, AgentUpdate)
-        robot.take(update)
-        self.shared_map.put(robot, update)
-        return update
-
-    async def _save(self, robot: Robot, updates: list[AgentUpdate]) -> None:
-        """Save what the agent made of the log; were it lost, the log brings it back."""
-        graphs = [update.graph for update in updates if update.graph is not None]
-        if graphs:
-            try:
-                graph = as_sightings(graphs[-1])
-                await self._store.graphs.record_graph(self.mission_id, robot.robot_id, graph)
-            except DatabaseError as error:
-                log.error("a graph could not be saved", robot_id=robot.robot_id, reason=str(error))
-        writes = [write for update in updates for write in update.command.writes]
-        await self.memories.keep_written(robot.robot_id, writes)
-
-    async def _tell_difference(self, robot: Robot, found: list[dict[str, Any]]) -> None:
-        """Tell of the first of a row of batches in which the agent on board differs."""
-        differed, robot.differs = robot.differs, bool(found)
-        if found and not differed:
-            first = found[0]
-            text = (
-                f"{robot.robot_id} decided otherwise on board at observation {first['seq']}: {first['what']}."
-            )
-            await self.events.tell("onboard_differs", text, robot.robot_id, "warning")
-
-
-def _failed(thought: asyncio.Task[None]) -> bool:
-    return thought.done() and not thought.cancelled() and thought.exception() is not None

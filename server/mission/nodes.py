@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import time
+from collections import defaultdict
 from collections.abc import Iterable
 
 import structlog
@@ -15,6 +16,7 @@ from robots.types import NodeSensors, Observation
 from server.board import Board
 from server.mission.alerts import Alerts
 from server.mission.node_alerts import RULES, Watch, with_usual_pressure
+from server.mission.trends import Trends
 from server.sharing import node_value
 
 _SAVE_S = 5.0  # readings are saved so often
@@ -32,6 +34,7 @@ class Nodes:
         self._alerts = alerts
         self._nodes: dict[str, NodeRecord] = {}
         self._watches: dict[str, tuple[Watch, ...]] = {}
+        self._trends: defaultdict[str, Trends] = defaultdict(Trends)
         self._unsaved: set[str] = set()
         self._saved_s = 0.0
         self._changing = asyncio.Lock()
@@ -43,7 +46,9 @@ class Nodes:
         for tag_id in self._nodes:
             for watch in self._watches_of(tag_id):
                 watch.active = self._alerts.is_on(watch.rule.kind, tag_id)
-        self._board.publish({f"node/{node.tag_id}": node_value(node) for node in self._nodes.values()})
+        self._board.publish(
+            {f"node/{node.tag_id}": node_value(node, Trends().value()) for node in self._nodes.values()}
+        )
 
     async def take(self, robot_id: str, observations: Iterable[Observation]) -> None:
         """Take over what nodes measured, in the order in which a robot heard it."""
@@ -56,7 +61,12 @@ class Nodes:
             for tag_id, sensors in heard:
                 await self._measured(robot_id, tag_id, sensors)
             tags = sorted({tag_id for tag_id, _ in heard})
-            self._board.publish({f"node/{tag_id}": node_value(self._nodes[tag_id]) for tag_id in tags})
+            self._board.publish(
+                {
+                    f"node/{tag_id}": node_value(self._nodes[tag_id], self._trends[tag_id].value())
+                    for tag_id in tags
+                }
+            )
             self._unsaved.update(tags)
             if time.monotonic() - self._saved_s >= _SAVE_S:
                 await self.save()
@@ -86,6 +96,7 @@ class Nodes:
         )
         node = with_usual_pressure(node, None if known is None else known.usual_pressure_hpa)
         self._nodes[tag_id] = node
+        self._trends[tag_id].add(node)
         for watch in self._watches_of(tag_id):
             if watch.take(node):
                 await self._tell(watch, node)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import asdict, replace
 from typing import Any
 
 import structlog
@@ -122,7 +122,7 @@ class Orders:
 
 def order_value(order: OrderRecord) -> dict[str, Any]:
     """Return an order as it stands on the board and in replies."""
-    return {name: getattr(order, name) for name in OrderRecord.__slots__}
+    return {**asdict(order), "area_m": [list(corner) for corner in order.area_m]}
 
 
 _WORDS = {
@@ -146,11 +146,14 @@ def words(order: OrderRecord) -> str:
 
 def _for_robot(order: OrderRecord, robot: Robot) -> RobotOrder | None:
     """Return an order as its robot takes it; None while nobody knows where a place lies in its map."""
-    place = None
+    place: tuple[float, float] | None = None
+    area: tuple[tuple[float, float], ...] = ()
     if order.kind in PLACED and order.x_m is not None and order.y_m is not None:
         world_from_map = robot.world_from_map()
         if world_from_map is None:
             return None
-        place = world_from_map.inverse().transform_point(order.x_m, order.y_m)
+        map_from_world = world_from_map.inverse()
+        place = map_from_world.transform_point(order.x_m, order.y_m)
+        area = tuple(map_from_world.transform_point(*corner) for corner in order.area_m)
     methods = Methods(order.explore, order.coordinate, order.communication)
-    return RobotOrder(order.order_id, order.kind, order.by, place, methods)
+    return RobotOrder(order.order_id, order.kind, order.by, place, methods, area)

@@ -73,6 +73,16 @@ class Recovery:
         if due and (robot.snapshot_task is None or robot.snapshot_task.done()):
             robot.snapshot_task = self._tasks.spawn(self._snapshot(robot))
 
+    async def snapshot_all(self) -> None:
+        """Take a snapshot of every agent that has something new."""
+        robots = self._roster.robots.values()
+        due = [
+            robot
+            for robot in robots
+            if robot.host.pid is not None and robot.host.done_seq > robot.snapshot_seq
+        ]
+        await asyncio.gather(*map(self._snapshot, due))
+
     async def _begin_map(self, catching_up: list[asyncio.Task[None]]) -> None:
         """Let the map begin when all agents are there: a map of a few would show less than was known."""
         if catching_up:

@@ -62,7 +62,7 @@ def reply_to(
     if not told and robot.told:
         told = [next(reversed(robot.told.values()))]
     command = merged_command([item.command for item in told]) if told else Command()
-    if robot.stopped:
+    if robot.held:
         command = Command()
     if robot.communication == "full" and robot.record.agent == "server":
         command = replace(command, say=None)  # the server has told the others
@@ -70,7 +70,7 @@ def reply_to(
         "next_seq": robot.next_seq,
         "accepted": accepted,
         "duplicates": duplicates,
-        "stop": robot.stopped,
+        "stop": robot.held,
         "pose": pose_to_wire(told[-1].pose) if told else None,
         "command": command_to_wire(command),
         "differences": differences,

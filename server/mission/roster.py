@@ -114,6 +114,7 @@ class Roster:
         )
         robot = Robot(record, host, next_seq=done_seq + 1, stopped=record.stopped)
         robot.located = record.start_pose is not None
+        robot.paused = self.record.state == "paused"
         self.robots[robot_id] = robot
         self.publish()
         return robot
@@ -129,12 +130,23 @@ class Roster:
             "mission_id": self.record.mission_id,
             "name": self.record.name,
             "state": self.record.state,
+            "state_by": self.record.state_by,
+            "state_unix_s": self.record.state_unix_s,
             "created_unix_s": self.record.created_unix_s,
+            "started_unix_s": self.record.started_unix_s,
+            "ran_s": self.record.ran_s,
             "clock_s": max(stamps, default=0.0),
             "stopped_all": self.record.stopped_all,
         }
         self._board.publish({key: value for key, value in values.items() if value is not None})
         self._board.publish({"mission": mission})
+
+    def enter(self, record: MissionRecord) -> None:
+        """Take over the mission's new state: the robots of one that is paused stand still."""
+        self.record = record
+        for robot in self.robots.values():
+            robot.paused = record.state == "paused"
+        self.publish()
 
     def absent(self) -> set[str]:
         """Return the robots with a log whose agents have not said anything since the server started."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Set
 from dataclasses import dataclass
 from math import hypot, sqrt
 
@@ -10,8 +10,9 @@ import numpy as np
 
 from robots.routes.planner import Hazard, Leg, NoRouteError, RouteMap
 from robots.routes.sight import is_clear
+from robots.routes.texts import Language, say
 from robots.routes.ways import Way, ways_along
-from robots.routes.words import bearing_deg, compass_point, metres
+from robots.routes.words import bearing_deg, compass_point, metres, warning
 from robots.team import TeamGrid
 from server.board import Board, Value
 from server.errors import ApiError, unknown
@@ -43,14 +44,14 @@ class Routes:
         self._of: list[Value] = []  # what the roads were made of; values of a board never change in place
         self._roads = RouteMap([])
 
-    def find(self, grid: TeamGrid | None, from_tag: str, to: str) -> Route:
+    def find(self, grid: TeamGrid | None, from_tag: str, to: str, language: Language = "en") -> Route:
         """Return the best route from a tag to ``tag:ID``, ``victim:ID`` or ``note:ID``.
 
         Raises:
             ApiError: there is no such thing, or no route to it.
         """
         self._refresh()
-        return _find(self._board, self._roads, grid, from_tag, to)
+        return _find(self._board, self._roads, grid, from_tag, to, language)
 
     def neighbours(self, tag_id: str) -> list[tuple[str, Way, float]]:
         """Return the tags next to a tag with the ways and bearings there, the nearest first."""
@@ -60,6 +61,11 @@ class Routes:
             for way in self._roads.neighbours(tag_id)
         ]
 
+    def roads(self) -> RouteMap:
+        """Return the tags and ways as they are now; what is returned never changes."""
+        self._refresh()
+        return self._roads
+
     def _refresh(self) -> None:
         board = self._board
         now = [value for kind in ("tag", "trail", "annotation") for value in board.of_kind(kind)]
@@ -67,17 +73,21 @@ class Routes:
             self._of, self._roads = now, _roads(board)
 
 
-def _find(board: Board, roads: RouteMap, grid: TeamGrid | None, from_tag: str, to: str) -> Route:
+def _find(
+    board: Board, roads: RouteMap, grid: TeamGrid | None, from_tag: str, to: str, language: Language
+) -> Route:
     tags = {value["tag_id"]: value for value in board.of_kind("tag")}
     if from_tag not in tags:
         raise unknown("tag", from_tag)
-    places = {tag_id: (float(v["x_m"]), float(v["y_m"])) for tag_id, v in tags.items()}
+    places = places_of(tags.values())
     kind, _, name = to.partition(":")
     target = _target(board, places, kind, name)
     try:
         if kind == "tag":
             return Route(tuple(roads.route(from_tag, [name])), target, None, "")
-        ends = _ends(grid, places, roads.tags | {from_tag}, target)
+        ends = ends_of(grid, places, roads.tags, target)
+        if from_tag not in roads.tags:
+            ends = {tag: far for tag, far in ends.items() if tag == from_tag}
         if not ends:
             raise NoRouteError(f"no tag lies in sight of {to} yet")
         legs = roads.route(from_tag, ends, ends)
@@ -86,12 +96,14 @@ def _find(board: Board, roads: RouteMap, grid: TeamGrid | None, from_tag: str, t
     last = legs[-1].way.to_tag if legs else from_tag
     way = Way(last, to, np.array([places[last], target]))
     bearing = bearing_deg(way.points_m[0], way.points_m[1])
-    text = f"From tag {last} go {metres(way.length_m)} {compass_point(bearing)}: there is {kind} {name}."
+    goal, where = say(language, f"goal_{kind}", name=name), compass_point(bearing, language)
+    text = say(language, "last_leg", tag=last, far=metres(way.length_m), way=where, goal=goal)
+    text += warning(roads.hazards_near(way.points_m), language)
     return Route(tuple(legs), target, way, text)
 
 
 def _target(
-    board: Board, places: dict[str, tuple[float, float]], kind: str, name: str
+    board: Board, places: Mapping[str, tuple[float, float]], kind: str, name: str
 ) -> tuple[float, float]:
     if kind == "tag":
         if name not in places:
@@ -104,7 +116,7 @@ def _target(
     value = board.get(f"{key}/{name}")
     if value is None:
         raise unknown(kind, name)
-    place = _place(value, places)
+    place = place_of(value, places)
     if place is None:
         raise ApiError(409, "no_place", f"Where {to_words(kind, name)} is, is not known yet.", "to")
     return place
@@ -115,45 +127,61 @@ def to_words(kind: str, name: str) -> str:
     return f"{kind} {name}"
 
 
-def _place(value: Value, places: dict[str, tuple[float, float]]) -> tuple[float, float] | None:
+def places_of(tags: Iterable[Value]) -> dict[str, tuple[float, float]]:
+    """Return where tags are, to the centimetre: phones are told no more, and have to find the same routes."""
+    return {tag["tag_id"]: (round(float(tag["x_m"]), 2), round(float(tag["y_m"]), 2)) for tag in tags}
+
+
+def sd_of(value: Value) -> float:
+    """Return how well a place is known: the root of the sum of its variances, in millimetres of a metre."""
+    return round(sqrt(value["covariance"][0] + value["covariance"][2]), 3)
+
+
+def place_of(value: Value, places: Mapping[str, tuple[float, float]]) -> tuple[float, float] | None:
+    """Return where a victim or a note is; None while it is at a tag whose place is not known."""
     if value.get("area_m"):
         middle = np.mean(value["area_m"], axis=0)
-        return float(middle[0]), float(middle[1])
+        return round(float(middle[0]), 2), round(float(middle[1]), 2)
     if value.get("x_m") is not None:
-        return float(value["x_m"]), float(value["y_m"])
+        return round(float(value["x_m"]), 2), round(float(value["y_m"]), 2)
     return places.get(value.get("tag_id") or "")
 
 
 def _roads(board: Board) -> RouteMap:
     tags = {value["tag_id"]: value for value in board.of_kind("tag")}
-    places = {tag_id: (float(v["x_m"]), float(v["y_m"])) for tag_id, v in tags.items()}
+    places = places_of(tags.values())
     sound = {tag_id: place for tag_id, place in places.items() if tags[tag_id]["state"] == "sound"}
     ways: list[Way] = []
     for trail in board.of_kind("trail"):
         if len(trail["points_m"]) > 1:
             ways += ways_along(np.array(trail["points_m"]), sound)
-    sds_m = {tag_id: sqrt(value["covariance"][0] + value["covariance"][2]) for tag_id, value in tags.items()}
+    ways = [Way(way.from_tag, way.to_tag, np.round(way.points_m, 2)) for way in ways]
+    sds_m = {tag_id: sd_of(value) for tag_id, value in tags.items()}
     hazards = []
     for note in board.of_kind("annotation"):
-        place = _place(note, places)
+        place = place_of(note, places)
         if note["kind"] == "hazard" and place is not None:
             points = tuple((float(x), float(y)) for x, y in note["area_m"]) or (place,)
             hazards.append(Hazard(note["text"] or "hazard", points))
     return RouteMap(ways, sds_m, hazards)
 
 
-def _ends(
+def ends_of(
     grid: TeamGrid | None,
-    places: dict[str, tuple[float, float]],
-    names: Iterable[str],
+    places: Mapping[str, tuple[float, float]],
+    on_roads: Set[str],
     target: tuple[float, float],
 ) -> dict[str, float]:
-    """Return the tags from which the target can be seen and walked to, with what is still to go."""
-    far = sorted(
-        (hypot(places[name][0] - target[0], places[name][1] - target[1]), name)
-        for name in names
-        if name in places
-    )
-    near = [(distance, name) for distance, name in far if distance <= _IN_SIGHT_M]
-    seen = [(d, name) for d, name in near if grid is None or is_clear(grid, places[name], target)]
-    return {name: distance for distance, name in seen[:_AT_ONCE]}
+    """Return the tags from which the target can be seen and walked to, with what is still to go.
+
+    The nearest of those that ways lead to, and all that none leads to: whoever stands there needs no way.
+    """
+    near = {
+        name: hypot(x - target[0], y - target[1])
+        for name, (x, y) in places.items()
+        if abs(x - target[0]) <= _IN_SIGHT_M and abs(y - target[1]) <= _IN_SIGHT_M
+    }
+    order = sorted((far, name) for name, far in near.items() if far <= _IN_SIGHT_M)
+    seen = {name: far for far, name in order if grid is None or is_clear(grid, places[name], target)}
+    first = [name for name in seen if name in on_roads][:_AT_ONCE]
+    return {name: far for name, far in seen.items() if name in first or name not in on_roads}

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import time
 from collections.abc import Callable, Set
+from contextlib import suppress
 from dataclasses import replace
 from typing import Any
 
@@ -13,7 +14,7 @@ import numpy as np
 from db.store import Store
 from robots.se2 import Array
 from robots.team import TeamGrid, TeamTag, TeamUpdate
-from robots.types import AgentUpdate
+from robots.types import AgentUpdate, SubmapReport
 from server.agents.process import ForkServer
 from server.agents.team import TeamHost
 from server.board import Board
@@ -81,6 +82,23 @@ class SharedMap:
         """Return where a robot was up to an observation; see ``TeamHost.way``."""
         return self._team.way(robot_id, until_seq)
 
+    async def settle(self, longest_s: float) -> None:
+        """Wait until the map holds all that it was given, but not for ever."""
+        with suppress(TimeoutError):
+            async with asyncio.timeout(longest_s):
+                await self._team.settled()
+
+    async def show(self, grid: TeamGrid) -> None:
+        """Show a map that was made before."""
+        self._grid = grid
+        self.image = await asyncio.to_thread(draw, replace(grid, version=self._next_version()))
+        self._board.publish({"map": map_value(self._mission_id, self.image)})
+        self._on_grid(self._mission_id, grid)
+
+    def submaps(self, robot_id: str) -> list[SubmapReport]:
+        """Return the latest submaps of a robot."""
+        return self._team.submaps(robot_id)
+
     async def close(self) -> None:
         """End the process."""
         await self._team.close()
@@ -95,10 +113,7 @@ class SharedMap:
         values |= {f"tag/{tag_id}": None for tag_id in self._vanished(update.tags, absent)}
         values |= {f"tag/{tag.tag_id}": tag_value(tag) for tag in tags}
         if update.grid is not None and not _same(update.grid, self._grid):
-            self._grid = update.grid
-            self.image = await asyncio.to_thread(draw, replace(update.grid, version=self._next_version()))
-            values["map"] = map_value(self._mission_id, self.image)
-            self._on_grid(self._mission_id, update.grid)
+            await self.show(update.grid)
         robots = self._roster.robots
         for member in update.robots:
             if member.robot_id in robots:

@@ -29,7 +29,7 @@ class Tasks:
 
     async def close(self) -> None:
         """Cancel what still goes on."""
-        tasks = list(self._tasks)
+        tasks = [task for task in self._tasks if task is not asyncio.current_task()]
         for task in tasks:
             task.cancel()
         await asyncio.gather(*tasks, return_exceptions=True)

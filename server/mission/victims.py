@@ -65,6 +65,18 @@ class Victims:
         await self._events.tell("victim_judged", f"Victim {victim_id} {_words(known.said, said)}, says {by}.")
         return victim
 
+    async def add(self, victim: VictimRecord) -> None:
+        """Add a victim that a person found; once it is there, adding it again changes nothing."""
+        async with self._changing:
+            if victim.victim_id in self._victims:
+                return
+            await self._store.findings.record_victims(self._mission_id, [victim])
+            self._keep([victim])
+        text = f"Victim {victim.victim_id} reported by {victim.said.by}. {victim.said.note}"
+        await self._alerts.raise_(
+            "victim", victim.victim_id, text, "alarm", event="victim_seen", victim_id=victim.victim_id
+        )
+
     async def put_back(self, victim_id: str, said: dict[str, Any], by: str) -> None:
         """Put back what was said about a victim before; ``by`` takes a later word back.
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import hypot
 from typing import Any
 
+from robots.routes.texts import Language, say
 from robots.routes.words import compass_point, metres
 from server.board import Board
 from server.errors import ApiError
@@ -14,7 +15,9 @@ _NEAR_M = 20.0
 _NEIGHBOURS = 4
 
 
-def whereabouts(board: Board, routes: Routes, grid: Any, tag_id: str) -> dict[str, Any]:
+def whereabouts(
+    board: Board, routes: Routes, grid: Any, tag_id: str, language: Language = "en"
+) -> dict[str, Any]:
     """Return what somebody at a tag has to know: its neighbours, the victims near it, and both in words."""
     tag = board.get(f"tag/{tag_id}")
     if tag is None:
@@ -45,7 +48,7 @@ def whereabouts(board: Board, routes: Routes, grid: Any, tag_id: str) -> dict[st
         "y_m": tag["y_m"],
         "sd_m": hypot(tag["covariance"][0] ** 0.5, tag["covariance"][2] ** 0.5),
         "notice": tag["notice"],
-        "text": _text(tag_id, neighbours, victims),
+        "text": _text(tag_id, neighbours, victims, language),
         "neighbours": neighbours,
         "victims": victims,
     }
@@ -58,24 +61,29 @@ def _route(routes: Routes, grid: Any, tag_id: str, victim_id: str) -> Route | No
         return None
 
 
-def _text(tag_id: str, neighbours: list[dict[str, Any]], victims: list[dict[str, Any]]) -> str:
-    words = [f"You are at tag {tag_id}."]
+def _text(
+    tag_id: str, neighbours: list[dict[str, Any]], victims: list[dict[str, Any]], language: Language
+) -> str:
+    words = [say(language, "you_are_at", tag=tag_id)]
     if neighbours:
         there = [
-            f"{metres(n['distance_m'])} {compass_point(n['bearing_deg'])} is tag {n['tag_id']}"
+            say(
+                language,
+                "next_to_it",
+                far=metres(n["distance_m"]),
+                way=compass_point(n["bearing_deg"], language),
+                tag=n["tag_id"],
+            )
             for n in neighbours[:2]
         ]
         words.append(f"{'; '.join(there)}.")
     near = sum(victim["distance_m"] <= _NEAR_M for victim in victims)
     if near:
-        words.append(f"{_count(near)} within {_NEAR_M:.0f} m.")
+        count = say(language, f"count_{near}") if near < 10 else str(near)
+        key = "victims_near.one" if near == 1 else "victims_near.other"
+        words.append(say(language, key, count=count, far=metres(_NEAR_M)))
     elif victims:
-        words.append(f"The nearest victim is {metres(victims[0]['distance_m'])} away.")
+        words.append(say(language, "nearest_victim", far=metres(victims[0]["distance_m"])))
     else:
-        words.append("No victim is known.")
+        words.append(say(language, "no_victim"))
     return " ".join(words)
-
-
-def _count(number: int) -> str:
-    words = ("No", "One", "Two", "Three", "Four", "Five", "Six", "Seven", "Eight", "Nine")
-    return f"{words[number] if number < len(words) else number} victim{'' if number == 1 else 's'}"

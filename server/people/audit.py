@@ -14,6 +14,7 @@ from fastapi.routing import APIRoute
 from db.errors import DatabaseError
 from db.people_records import AuditRecord
 from db.store import Store
+from server.missions import Missions
 from server.people.actor import Actor
 
 _READS = {"GET", "HEAD", "OPTIONS"}
@@ -43,9 +44,18 @@ class AuditedRoute(APIRoute):
             response = await handle(request)
             if response.status_code < 400:
                 await _note(request, self.name)
+                await _record(request)
             return response
 
         return noted
+
+
+async def _record(request: Request) -> None:
+    """Have the change in the mission's past before its answer leaves."""
+    missions: Missions = request.app.state.missions
+    mission = missions.find(request.path_params.get("mission_id", ""))
+    if mission is not None:
+        await mission.history.flush()
 
 
 async def _note(request: Request, action: str) -> None:

@@ -32,6 +32,7 @@ Seconds = Annotated[float, Field(ge=-1e12, le=1e12)]
 Share = Annotated[float, Field(ge=0.0, le=1.0)]
 Base64 = Annotated[str, Field(max_length=16_384), AfterValidator(_is_base64)]
 TeamBytes = Annotated[str, Field(max_length=44_000), AfterValidator(_is_base64)]
+Corner = Annotated[list[Metres], Field(min_length=2, max_length=2)]
 Covariance = Annotated[
     list[float], Field(min_length=3, max_length=3, description="xx, xy, yy in square metres.")
 ]

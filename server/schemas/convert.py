@@ -92,7 +92,15 @@ def order_to_wire(order: RobotOrder) -> dict[str, Any]:
     """Return the JSON object of an order as its robot is told."""
     x_m, y_m = (None, None) if order.place_m is None else order.place_m
     methods = {name: getattr(order.methods, name) for name in Methods.__slots__}
-    return {"order_id": order.order_id, "kind": order.kind, "by": order.by, "x_m": x_m, "y_m": y_m, **methods}
+    return {
+        "order_id": order.order_id,
+        "kind": order.kind,
+        "by": order.by,
+        "x_m": x_m,
+        "y_m": y_m,
+        "area_m": [list(corner) for corner in order.area_m],
+        **methods,
+    }
 
 
 def pose_to_wire(pose: Pose2) -> dict[str, float]:
@@ -116,7 +124,8 @@ def _odometry(wire: ObservationIn) -> Odometry | None:
 def _order(wire: RobotOrderWire) -> RobotOrder:
     place = None if wire.x_m is None or wire.y_m is None else (wire.x_m, wire.y_m)
     methods = Methods(wire.explore, wire.coordinate, wire.communication)
-    return RobotOrder(wire.order_id, wire.kind, wire.by, place, methods)
+    area = tuple((x, y) for x, y in wire.area_m)
+    return RobotOrder(wire.order_id, wire.kind, wire.by, place, methods, area)
 
 
 def _tag(wire: TagSightingWire) -> TagSighting:

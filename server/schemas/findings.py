@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Self
+from typing import Any, Self
 
 from pydantic import ConfigDict, Field, model_validator
 
 from db.records import AnnotationKind, TagState
-from server.schemas.common import Covariance, Metres, Name, Wire
+from server.schemas.common import Corner, Covariance, Metres, Name, Wire
 from server.schemas.nodes import NodeOut
 
 
@@ -46,9 +46,6 @@ class TagsOut(Wire):
 
     tags: list[TagOut]
     links: list[tuple[str, str]]
-
-
-Corner = Annotated[list[Metres], Field(min_length=2, max_length=2)]
 
 
 class AnnotationIn(Wire):

@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import ConfigDict, Field
 
-from db.records import AgentPlace, Severity, SilencePolicy
+from db.records import AgentPlace, MissionState, Severity, SilencePolicy
 from server.schemas.common import Metres, Name, Radians, Wire
 
 
@@ -15,7 +15,10 @@ class MissionIn(Wire):
 
     model_config = ConfigDict(
         json_schema_extra={
-            "examples": [{"name": "Collapsed school", "mission_id": "school-1"}, {"name": "Mine"}]
+            "examples": [
+                {"name": "Collapsed school", "mission_id": "school-1"},
+                {"name": "Mine", "state": "draft"},
+            ]
         }
     )
 
@@ -26,6 +29,9 @@ class MissionIn(Wire):
         description="Key that seals what its robots write into tags, in hexadecimal digits; made at random by"
         " default. It is never told again.",
     )
+    state: Literal["draft", "running"] = Field(
+        "running", description="A draft takes no observations until somebody starts it."
+    )
 
 
 class MissionOut(Wire):
@@ -33,15 +39,54 @@ class MissionOut(Wire):
 
     mission_id: str
     name: str
-    state: str = Field(description="Always `running` in this version.")
+    state: MissionState = Field(
+        description="`draft`: robots may join, no observations; `running`; `paused`: robots stand still and"
+        " are logged on; `closed` and `archived`: nothing is changed any more."
+    )
+    state_by: str = Field(description="Who has put it into this state; empty where nobody was asked.")
+    state_unix_s: float = Field(description="When.")
     created_unix_s: float
+    started_unix_s: float | None = Field(description="When it was running first.")
+    duration_s: float = Field(description="How long it has been running in all.")
     robots: int = Field(description="How many robots are registered.")
+    explored_m2: float = Field(description="Free ground on its map.")
+    tags: int
+    victims: int = Field(description="Those that were not dismissed or merged into others.")
+    heard_unix_s: float | None = Field(description="When one of its robots was heard last.")
 
 
 class MissionsOut(Wire):
     """All missions, oldest first."""
 
     missions: list[MissionOut]
+
+
+class ProgressWire(Wire):
+    """How far a mission was at a moment."""
+
+    unix_s: float
+    clock_s: float = Field(description="The robots' own clock.")
+    explored_m2: float
+    tags: int
+    victims: int
+
+
+class EffortWire(Wire):
+    """What one robot has done."""
+
+    robot_id: str
+    distance_m: float
+    explored_m2: float
+
+
+class SummaryOut(Wire):
+    """A mission in figures, to compare it with others."""
+
+    mission: MissionOut
+    robots: list[EffortWire]
+    victims: dict[str, int] = Field(description="How many of each status.")
+    alerts: dict[str, int] = Field(description="How many events of each kind were a warning or an alarm.")
+    progress: list[ProgressWire] = Field(description="What it had come to, in order of time.")
 
 
 class SilenceWire(Wire):

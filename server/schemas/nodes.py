@@ -15,4 +15,6 @@ class NodeOut(Wire):
     pressure_hpa: float | None
     tilt_rad: float | None = Field(description="How far its antenna leans from upright.")
     heard_unix_s: float
+    temperature_c_per_min: float | None = Field(None, description="How it goes; null until that is known.")
+    pressure_hpa_per_min: float | None = Field(None, description="How it goes; null until that is known.")
     robot_id: str = Field(description="The robot that heard it.")

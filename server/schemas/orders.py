@@ -7,9 +7,13 @@ from typing import Annotated, Self
 from pydantic import ConfigDict, Field, model_validator
 
 from robots.orders import PLACED, OrderKind, OrderState
-from server.schemas.common import Metres, Name, Wire
+from server.schemas.common import Corner, Metres, Name, Wire
 
 MAX_ORDERS = 16  # in one observation
+Area = Annotated[
+    list[Corner],
+    Field(max_length=500, description="For explore_here: the corners of the area, x and y of each."),
+]
 Method = Annotated[str, Field(max_length=40, description="The name of a method; without it, it stays.")]
 
 
@@ -21,6 +25,7 @@ class RobotOrderWire(Wire):
     by: str = Field("", max_length=200, description="Who ordered it.")
     x_m: Metres | None = None
     y_m: Metres | None = None
+    area_m: Area = Field(default_factory=list)
     explore: Method = ""
     coordinate: Method = ""
     communication: Method = ""
@@ -41,6 +46,7 @@ class OrderIn(Wire):
     kind: Annotated[OrderKind, Field(description="What to do; go_to and explore_here need a place.")]
     x_m: Metres | None = Field(None, description="The place, in the world frame.")
     y_m: Metres | None = Field(None, description="The place, in the world frame.")
+    area_m: Area = Field(default_factory=list)
 
     @model_validator(mode="after")
     def _has_what_it_needs(self) -> Self:
@@ -49,6 +55,8 @@ class OrderIn(Wire):
             raise ValueError(f"{self.kind} needs a place; give x_m and y_m")
         if self.kind not in PLACED and (self.x_m is not None or self.y_m is not None):
             raise ValueError(f"{self.kind} has no place; leave x_m and y_m out")
+        if self.area_m and (self.kind != "explore_here" or len(self.area_m) < 3):
+            raise ValueError("area_m is for explore_here, and has three corners or more")
         if self.kind == "methods":
             raise ValueError("methods are changed by PATCH on the robot itself")
         return self
@@ -82,6 +90,7 @@ class OrderOut(Wire):
     issued_unix_s: float
     x_m: float | None
     y_m: float | None
+    area_m: list[list[float]]
     explore: str
     coordinate: str
     communication: str

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 from pydantic import Field
 
 from db.victim_records import VictimStatus
@@ -60,6 +62,15 @@ class WhereOut(Wire):
     text: str
     neighbours: list[NeighbourOut]
     victims: list[NearVictimOut]
+
+
+class TypedOut(Wire):
+    """The tags that somebody may have meant."""
+
+    tag_ids: list[str]
+    trouble: Literal["", "mistyped", "unknown"] = Field(
+        description="Where there is none: a character is wrong, or no mission has a tag of this number."
+    )
 
 
 class RouteOut(Wire):

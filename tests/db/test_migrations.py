@@ -9,7 +9,7 @@ from alembic.autogenerate import compare_metadata
 from alembic.runtime.migration import MigrationContext
 from sqlalchemy import Connection
 
-from db import people_tables, tables  # noqa: F401 - they fill the metadata
+from db import history_tables, mission_tables, people_tables, tables  # noqa: F401 - they fill the metadata
 from db.engine import Database
 from db.migrations import migrate
 from db.schema import metadata

@@ -1,18 +1,22 @@
 """Starting and ending: a database that cannot be used, signals, and no process left behind."""
 
+import asyncio
 import os
 import signal
 import socket
 import subprocess
 import sys
 import time
+from uuid import uuid4
 
 import httpx
 import psutil
 import pytest
 
 from db.errors import DatabaseError
+from db.store import Store
 from server.agents.process import ForkServer
+from server.history.past import Past
 from server.serve import run
 from server.settings import Settings
 
@@ -82,6 +86,24 @@ def test_no_process_is_left_behind(served, wait_until, sent):
     assert time.monotonic() - began < 5.0
     assert process.returncode == {"SIGINT": 130, "SIGTERM": 143, "SIGKILL": -9}[sent.name]
     assert "Traceback" not in errors
+
+
+def test_what_was_answered_is_in_the_past_of_a_server_that_was_killed(served, tmp_path):
+    process, _ = served
+    port = process.args[process.args.index("--port") + 1]
+    note = f"http://127.0.0.1:{port}/api/v1/missions/m/annotations/{uuid4()}"
+    words = {"kind": "note", "text": "gas", "x_m": 1.0, "y_m": 2.0}
+    assert httpx.put(note, json=words).is_success
+    process.kill()
+    process.wait()
+
+    async def state():
+        store = await Store.open(tmp_path / "waymark.db")
+        found = await Past(store, "m").state_at(time.time())
+        await store.close()
+        return found[1]
+
+    assert [value["text"] for key, value in asyncio.run(state()).items() if "annotation/" in key] == ["gas"]
 
 
 def test_a_damaged_database_is_named_and_left_as_it_is(tmp_path):

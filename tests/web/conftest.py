@@ -7,12 +7,19 @@ import os
 import shutil
 import socket
 import threading
+import time
 from collections.abc import Iterator
+from typing import Any
 
+import httpx
 import pytest
 import uvicorn
 from fastapi import FastAPI
 from playwright.sync_api import Browser, sync_playwright
+
+from robots.sim.wire import observation_to_wire
+from server.app import create_app
+from server.settings import Settings
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 FLAGS = [
@@ -84,3 +91,27 @@ def browser() -> Iterator[Browser]:
         browser = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
         yield browser
         browser.close()
+
+
+@pytest.fixture(scope="module")
+def drill(tmp_path_factory: pytest.TempPathFactory, robot_log: Any) -> Iterator[dict[str, Any]]:
+    """A mission with tags: the host that serves it, and their ids."""
+    serve = Serve()
+    folder = tmp_path_factory.mktemp("drill")
+    host = serve(create_app(Settings(data_dir=folder, login="off", reply_s=60.0)))
+    with httpx.Client(base_url=f"http://{host}/api/v1", timeout=90) as client:
+        client.post(
+            "/missions", json={"name": "Drill", "mission_id": "drill", "tag_key": ""}
+        ).raise_for_status()
+        client.post("/missions/drill/robots", json={"robot_id": "r1"}).raise_for_status()
+        wires = [observation_to_wire(observation) for observation in robot_log.observations[:300]]
+        for k in range(0, len(wires), 100):
+            body = {"observations": wires[k : k + 100]}
+            client.post("/missions/drill/robots/r1/observations", json=body).raise_for_status()
+        for _ in range(600):
+            tags = client.get("/missions/drill/tags").json()["tags"]
+            if tags:
+                break
+            time.sleep(0.1)
+    yield {"host": host, "tags": [tag["tag_id"] for tag in tags]}
+    serve.close()

@@ -20,15 +20,16 @@ class SmallRobot:
     PERIOD_S = 0.2
     BEAMS = 181
 
-    def __init__(self, client: httpx.Client, robot_id: str) -> None:
+    def __init__(self, client: httpx.Client, robot_id: str, mission: str = MISSION) -> None:
         self.client = client
-        self.address = f"/api/v1/missions/{MISSION}/robots/{robot_id}/observations"
+        at = f"/api/v1/missions/{mission}/robots"
+        self.address = f"{at}/{robot_id}/observations"
         registration = {
             "robot_id": robot_id,
             "agent": "server",
             "silence": {"after_s": 2.0, "policy": "hold"},
         }
-        client.post(f"/api/v1/missions/{MISSION}/robots", json=registration).raise_for_status()
+        client.post(at, json=registration).raise_for_status()
         self.x = self.y = self.yaw = 0.0
         self.seq = 0
         self.linear = self.angular = 0.0

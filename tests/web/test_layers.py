@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as npst
 
-from web.viser.colors import FLOOR
+from web.viser.colors import THEMES
 from web.viser.frontiers_layer import segments
 from web.viser.map_layer import WALL_HEIGHT_M, floor_image, wall_boxes
 from web.viser.scene import MissionScene
@@ -56,8 +56,9 @@ def test_boxes_cover_each_occupied_cell_exactly_once(cells: np.ndarray) -> None:
 
 
 def test_the_floor_has_its_first_row_at_the_far_side() -> None:
-    image = floor_image(np.array([[0, -1], [-1, -1]], np.int8))
-    assert image[1, 0].tolist() == [*FLOOR, 255]
+    floor = THEMES["dark"]["floor"]
+    image = floor_image(np.array([[0, -1], [-1, -1]], np.int8), floor)
+    assert image[1, 0].tolist() == [*floor, 255]
     assert image[..., 3].sum() == 255
 
 

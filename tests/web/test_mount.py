@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -11,7 +12,6 @@ import pytest
 from fastapi import FastAPI
 
 from web.mount import NODE_MODULES, STATIC, VENDOR_FILES, mount_web
-from web.viser.colors import ROBOT_COLORS, robot_color
 
 HAS_PACKAGES = all((NODE_MODULES / name).is_file() for name in VENDOR_FILES.values())
 
@@ -129,12 +129,18 @@ def test_the_lock_file_pins_without_naming_a_host() -> None:
     assert "://" not in re.sub(r'"url": "[^"]*"', "", lock)
 
 
-def test_plan_and_scene_give_a_robot_the_same_color() -> None:
-    script = (STATIC / "console" / "color.js").read_text()
-    codes = re.findall(r'"(#[0-9a-f]{6})"', script)
-    assert tuple(tuple(bytes.fromhex(code[1:])) for code in codes) == ROBOT_COLORS
-    assert robot_color("r1") == ROBOT_COLORS[0]
-    assert robot_color("rover12") == ROBOT_COLORS[11]
-    assert robot_color("r13") == ROBOT_COLORS[0]
-    assert robot_color("alpha") == robot_color("alpha")
-    assert robot_color("alpha") != robot_color("bravo")
+def test_the_consoles_own_files_stay_small() -> None:
+    """All own scripts and styles of the console, compressed together, come to less than 100 kB."""
+    files = [STATIC / "palette.css", STATIC / "theme.js", *sorted((STATIC / "console").rglob("*.js"))]
+    files += sorted((STATIC / "console").rglob("*.css"))
+    assert len(gzip.compress(b"".join(path.read_bytes() for path in files))) < 100_000
+
+
+def test_files_go_compressed_over_the_wire(client: httpx.Client) -> None:
+    plain = client.get("/static/console/main.js", headers={"Accept-Encoding": "identity"})
+    packed = client.get("/static/console/main.js")
+    assert packed.headers["content-encoding"] == "gzip"
+    assert packed.content == plain.content
+    assert "content-encoding" not in plain.headers
+    again = client.get("/static/console/main.js", headers={"If-None-Match": packed.headers["etag"]})
+    assert again.status_code == 304

@@ -2,63 +2,79 @@
 
 from __future__ import annotations
 
+import io
 import re
 import time
-from pathlib import Path
+from collections.abc import Iterator
 from typing import Any
 
-import httpx
 import pytest
-from playwright.sync_api import Browser, Page, expect
+from PIL import Image
+from playwright.sync_api import Browser, BrowserContext, Page, expect
 
-from robots.sim.wire import observation_to_wire
 from server.app import create_app
 from server.settings import Settings
+from tests.web.conftest import Serve
+from tests.web.field import Field, drive
 
-START = {"x_m": 0.0, "y_m": 0.0, "yaw_rad": 0.4, "sd_m": 0.05, "sd_rad": 0.01}
 SOON_MS = 15_000
+PHONE = {"width": 390, "height": 844}
+
+
+@pytest.fixture(scope="module")
+def field(tmp_path_factory: pytest.TempPathFactory, robot_log: Any) -> Iterator[Field]:
+    serve = Serve()
+    settings = Settings(data_dir=tmp_path_factory.mktemp("field"), login="off", reply_s=60.0)
+    yield drive(serve(create_app(settings)), robot_log)
+    serve.close()
 
 
 @pytest.fixture
-def mission(serve: Any, tmp_path: Path, robot_log: Any) -> dict[str, Any]:
-    """A mission in which a robot passed tags and saw a victim: its address, tags and victims."""
-    host = serve(create_app(Settings(data_dir=tmp_path, login="off", reply_s=60.0)))
-    with httpx.Client(base_url=f"http://{host}/api/v1", timeout=90) as client:
-        opened = client.post("/missions", json={"name": "Drill", "mission_id": "drill", "tag_key": ""})
-        opened.raise_for_status()
-        config = {"deployment": {"spacing_m": 2.0, "rate_per_m": 3.0}}
-        words = {"robot_id": "r1", "config": config, "start_pose": START}
-        client.post("/missions/drill/robots", json=words).raise_for_status()
-        wires = [observation_to_wire(observation) for observation in robot_log.observations]
-        for k in range(0, len(wires), 100):
-            body = {"observations": wires[k : k + 100]}
-            client.post("/missions/drill/robots/r1/observations", json=body).raise_for_status()
-        for _ in range(900):
-            victims = client.get("/missions/drill/victims").json()["victims"]
-            found = client.get("/missions/drill/tags").json()
-            if victims and len(found["links"]) > 1:
-                break
-            time.sleep(0.1)
-    assert victims
-    assert len(found["links"]) > 1
-    return {"host": host, "links": found["links"], "victim": victims[0]["victim_id"]}
+def context(browser: Browser) -> Iterator[BrowserContext]:
+    context = browser.new_context(viewport=PHONE, has_touch=True, locale="en-GB")
+    yield context
+    context.close()
 
 
 @pytest.fixture
-def page(browser: Browser) -> Page:
-    return browser.new_context(viewport={"width": 390, "height": 844}, has_touch=True).new_page()
+def page(context: BrowserContext) -> Page:
+    return context.new_page()
 
 
-def test_a_responder_is_led_from_a_tag_to_the_victim_and_leaves_word(mission: Any, page: Page) -> None:
-    home = f"http://{mission['host']}"
-    tag = mission["links"][0][0]
-    page.goto(f"{home}/t")
+def annotations(field: Field) -> list[dict[str, Any]]:
+    with field.api as api:
+        found: list[dict[str, Any]] = api.get("/annotations").json()["annotations"]
+        return found
+
+
+def wait_for_annotation(field: Field, text: str) -> dict[str, Any]:
+    deadline = time.monotonic() + 20.0
+    while True:
+        found = [note for note in annotations(field) if note["text"] == text]
+        if found:
+            assert len(found) == 1
+            return found[0]
+        assert time.monotonic() < deadline, text
+        time.sleep(0.1)
+
+
+def keep(page: Page) -> None:
+    """Wait until the page and a mission are on the phone."""
+    page.evaluate("() => navigator.serviceWorker.ready")
+    page.wait_for_function("async () => (await caches.keys()).length === 2")
+    kept = "import('/static/phone/kept.js').then(({ all }) => all('pockets')).then((all) => all.length > 0)"
+    page.wait_for_function(f"() => {kept}")
+
+
+def test_a_responder_is_led_from_a_tag_to_the_victim_and_leaves_word(field: Field, page: Page) -> None:
+    tag = field.links[0][0]
+    page.goto(f"{field.home}/t")
     page.get_by_label("The number on the tag").fill(f" {tag[:1]} {tag[1:]} ")
     page.get_by_role("button", name="Where am I?").click()
     expect(page.get_by_role("heading", name=f"Tag {tag}")).to_be_visible(timeout=SOON_MS)
     expect(page.get_by_text(f"You are at tag {tag}.")).to_be_visible()
 
-    page.get_by_role("button", name=f"Victim {mission['victim']}").click()
+    page.get_by_role("button", name=f"Victim {field.victim}").click()
     guide = page.locator(".go")
     expect(guide.locator(".number")).to_have_text(re.compile(r"\d+ m"), timeout=SOON_MS)
     for _ in range(12):  # tag by tag, each touched with the phone
@@ -78,23 +94,110 @@ def test_a_responder_is_led_from_a_tag_to_the_victim_and_leaves_word(mission: An
     page.get_by_label("What is here").fill("stairs <b>broken</b>")
     page.get_by_role("button", name="Hazard").click()
     expect(page.get_by_text(f"Hazard left at tag {tag}.")).to_be_visible(timeout=SOON_MS)
-    with httpx.Client(base_url=f"{home}/api/v1/missions/drill", timeout=30) as client:
-        (note,) = client.get("/annotations").json()["annotations"]
-        assert (note["kind"], note["tag_id"], note["text"]) == ("hazard", tag, "stairs <b>broken</b>")
+    note = wait_for_annotation(field, "stairs <b>broken</b>")
+    assert (note["kind"], note["tag_id"], note["by"]) == ("hazard", tag, "operator")
 
-        page.get_by_role("button", name="MAYDAY").click(delay=900)
-        expect(page.get_by_text("MAYDAY was called")).to_be_visible(timeout=SOON_MS)
-        (alert,) = [a for a in client.get("/alerts").json()["alerts"] if a["kind"] == "mayday"]
+    page.get_by_role("button", name="MAYDAY").click(delay=900)
+    expect(page.get_by_text("MAYDAY was called")).to_be_visible(timeout=SOON_MS)
+    with field.api as api:
+        (alert,) = [a for a in api.get("/alerts").json()["alerts"] if a["kind"] == "mayday"]
         assert alert["tag_id"] == tag
-        client.post("/evacuation").raise_for_status()
+        api.post("/evacuation").raise_for_status()
         page.get_by_role("button", name="I have heard it").click(timeout=SOON_MS)
         expect(page.locator("#alarm").get_by_role("button")).to_have_count(0)
-        assert [h["name"] for h in client.get("/evacuation").json()["acknowledged"]] == ["operator"]
+        expect(page.get_by_text("goes out as soon as there is signal")).to_have_count(0, timeout=SOON_MS)
+        assert [h["name"] for h in api.get("/evacuation").json()["acknowledged"]] == ["operator"]
+        api.delete("/evacuation")
+        api.delete("/alerts/mayday/operator")
+        for note in annotations(field):
+            api.delete(f"/annotations/{note['annotation_id']}")
 
 
-def test_a_tag_that_nobody_knows_is_named(mission: Any, page: Page) -> None:
-    page.goto(f"http://{mission['host']}/t/nowhere")
-    expect(page.get_by_role("alert")).to_contain_text(
-        "No mission here knows a tag 'nowhere'", timeout=SOON_MS
-    )
+def test_a_tag_that_nobody_knows_is_named(field: Field, page: Page) -> None:
+    page.goto(f"{field.home}/t/nowhere")
+    expect(page.get_by_role("alert")).to_contain_text("No mission here knows a tag nowhere.", timeout=SOON_MS)
     expect(page.get_by_label("The number on the tag")).to_be_visible()
+
+
+def test_a_phone_without_signal_opens_cold_answers_leads_and_keeps_reports(
+    field: Field, context: BrowserContext
+) -> None:
+    page = context.new_page()
+    page.goto(f"{field.home}/phone")
+    keep(page)
+    page.close()
+    context.set_offline(True)
+    cold = context.new_page()
+    problems: list[str] = []
+    cold.on("pageerror", lambda error: problems.append(str(error)))
+    tag = field.links[0][0]
+    cold.goto(f"{field.home}/t/{tag}")
+    expect(cold.get_by_text(f"You are at tag {tag}.")).to_be_visible(timeout=SOON_MS)
+    expect(cold.get_by_text(re.compile(r"Data of \d\d:\d\d, \d+ s old"))).to_be_visible()
+    expect(cold.get_by_text("No signal.")).to_be_visible(timeout=SOON_MS)
+    cold.get_by_role("button", name=f"Victim {field.victim}").click()
+    expect(cold.locator(".go .number")).to_have_text(re.compile(r"\d+ m"))
+    before = cold.locator(".go .text").first.inner_text()
+    cold.get_by_role("button", name="Leave word here").click()
+    cold.get_by_label("What is here").fill("floor gone")
+    cold.get_by_role("button", name="Hazard").click()
+    expect(cold.get_by_role("button", name="One report waits to be sent")).to_be_visible()
+    cold.reload()
+    expect(cold.get_by_role("button", name="One report waits to be sent")).to_be_visible(timeout=SOON_MS)
+    expect(cold.locator(".go")).to_contain_text("Take care: floor gone.")  # it has not left the phone yet
+    assert before in cold.locator(".go").inner_text()
+    cold.goto(f"{field.home}/t/T-elsewhere")
+    expect(cold.get_by_role("alert")).to_contain_text(
+        "This phone does not know tag T-elsewhere", timeout=SOON_MS
+    )
+    assert annotations(field) == []
+    context.set_offline(False)
+    note = wait_for_annotation(field, "floor gone")
+    assert (note["kind"], note["tag_id"]) == ("hazard", tag)
+    expect(cold.get_by_role("button", name="waits to be sent")).to_have_count(0, timeout=SOON_MS)
+    assert problems == []
+    with field.api as api:
+        api.delete(f"/annotations/{note['annotation_id']}")
+
+
+def test_a_victim_is_counted_and_asked_about_step_by_step(field: Field, page: Page) -> None:
+    tag = field.links[0][0]
+    page.goto(f"{field.home}/t/{tag}")
+    page.get_by_role("button", name="Leave word here").click(timeout=SOON_MS)
+    page.get_by_role("button", name="Victim", exact=False).last.click()
+    page.get_by_label("Live: one more").click()
+    page.get_by_label("Dead: one more").click()
+    page.get_by_role("button", name="No", exact=True).click()
+    page.get_by_role("button", name="Up to 30").click()
+    page.get_by_role("button", name="Yes", exact=True).click()
+    page.get_by_role("button", name="Yes", exact=True).click()
+    expect(page.get_by_text("START: delayed, yellow.")).to_be_visible()
+    page.get_by_role("button", name="Leave this").click()
+    expect(page.get_by_text(f"Victim left at tag {tag}.")).to_be_visible(timeout=SOON_MS)
+    expect(page.get_by_role("button", name="waits to be sent")).to_have_count(0, timeout=SOON_MS)
+    with field.api as api:
+        found = [v for v in api.get("/victims").json()["victims"] if v["victim_id"].startswith("p-")]
+        (victim,) = found
+        assert (victim["live"], victim["dead"], victim["triage"]) == (2, 1, "delayed")
+        assert victim["start"]["breaths_per_min"] == 20
+        api.patch(f"/victims/{victim['victim_id']}", json={"status": "dismissed"})
+
+
+def test_a_photo_waits_for_signal_like_any_report(field: Field, context: BrowserContext, page: Page) -> None:
+    tag = field.links[0][0]
+    picture = io.BytesIO()
+    Image.new("RGB", (2400, 1200), (200, 30, 30)).save(picture, "PNG")
+    page.goto(f"{field.home}/t/{tag}")
+    page.get_by_role("button", name="Leave word here").click(timeout=SOON_MS)
+    context.set_offline(True)
+    page.get_by_label("What is here").fill("north wall")
+    file = {"name": "wall.png", "mimeType": "image/png", "buffer": picture.getvalue()}
+    page.get_by_label("Photo").set_input_files([file])
+    expect(page.get_by_text(f"Photo left at tag {tag}.")).to_be_visible(timeout=SOON_MS)
+    expect(page.get_by_role("button", name="One report waits to be sent")).to_be_visible()
+    context.set_offline(False)
+    expect(page.get_by_role("button", name="waits to be sent")).to_have_count(0, timeout=SOON_MS)
+    with field.api as api:
+        (photo,) = api.get("/photos").json()["photos"]
+        assert (photo["tag_id"], photo["text"], photo["width"]) == (tag, "north wall", 1600)
+        assert abs(photo["taken_unix_s"] - time.time()) < 120.0

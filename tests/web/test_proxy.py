@@ -19,6 +19,7 @@ from fastapi import FastAPI
 
 import web.proxy
 from web.mount import mount_web
+from web.viser.colors import THEMES
 from web.viser.scenes import Scenes
 
 SUBPROTOCOL = websockets.Subprotocol(f"viser-v{viser.__version__}")
@@ -163,6 +164,26 @@ def test_the_page_is_viser_under_its_own_policy(site: Site) -> None:
         assert "no 3D scene" in missing.text
 
 
+def test_each_theme_is_a_scene_of_its_own(site: Site) -> None:
+    assert site.scenes.port("m1", "daylight") != site.scenes.port("m1", "dark") == site.scenes.port("m1")
+    with httpx.Client(base_url=f"http://{site.host}") as client:
+        assert client.get("/viser/m1/daylight/").status_code == 200
+        assert client.get("/viser/m1/neon/").status_code == 404
+
+    async def story() -> None:
+        async with site.connect("m1/daylight") as socket:
+            await socket.send(camera())
+            messages = await receive_until(socket, lambda found: _named(found, "/robots/1/body"))
+            body = next(m for m in messages if m.get("name") == "/robots/1/body" and "props" in m)
+            assert tuple(body["props"]["color"]) == THEMES["daylight"]["robot-1"]
+
+    run(story)
+
+
+def _named(messages: list[dict[str, Any]], name: str) -> bool:
+    return any(message.get("name") == name for message in messages)
+
+
 @pytest.mark.parametrize("origin", ["http://evil.example", "null", "http://127.0.0.1"])
 def test_a_page_of_another_site_is_refused(site: Site, origin: str) -> None:
     async def story() -> None:
@@ -184,7 +205,7 @@ def test_an_unknown_mission_is_refused(site: Site) -> None:
 
 
 def test_only_known_messages_reach_viser(site: Site) -> None:
-    running = site.scenes._running["m1"].scene._server
+    running = site.scenes._running["m1"].scenes["dark"]._server
     heard: list[str] = []
     handle = running._websock_server._handle_incoming_message
 
@@ -235,7 +256,7 @@ def test_viewers_are_limited_and_a_place_becomes_free_again(
 
 def test_a_viewer_that_stops_reading_is_dropped(site: Site, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(web.proxy, "SEND_TIMEOUT_S", 0.3)
-    scene = site.scenes._running["m1"].scene
+    scene = site.scenes._running["m1"].scenes["dark"]
 
     async def story() -> None:
         socket = await site.connect(max_queue=1)
@@ -256,7 +277,7 @@ def test_a_stopped_scene_ends_its_sockets(site: Site) -> None:
     async def story() -> None:
         async with site.connect() as socket:
             await socket.send(camera())
-            await asyncio.to_thread(site.scenes._running["m1"].scene.stop)
+            await asyncio.to_thread(site.scenes._running["m1"].scenes["dark"].stop)
             async with asyncio.timeout(10):
                 await socket.wait_closed()
             assert socket.close_code == 1012

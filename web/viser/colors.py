@@ -1,40 +1,73 @@
-"""The colours of the scene. Robots have the same ones as on the console's plan (static/console/color.js)."""
+"""The colours of the scene, read from the one palette of all pages (static/palette.css)."""
 
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
 
 Rgb = tuple[int, int, int]
+ROBOTS = 12  # colours for them
 
-ROBOT_COLORS: tuple[Rgb, ...] = tuple(
-    (int(code[1:3], 16), int(code[3:5], 16), int(code[5:7], 16))
-    for code in (
-        "#5cb8ff", "#ffb454", "#3ddbb0", "#f59bd0", "#f4e36b", "#a99bff",
-        "#b5e36e", "#e5a78c", "#6fe3f2", "#d48bff", "#9fb8cc", "#e8dcc0",
-    )
-)  # fmt: skip
-GROUND: Rgb = (10, 14, 20)
-FLOOR: Rgb = (44, 58, 78)
-WALL: Rgb = (196, 209, 226)
-TAG: Rgb = (255, 243, 196)
-DOUBTED_TAG: Rgb = (255, 138, 76)
-SILENT: Rgb = (120, 132, 148)
-ALERT_COLORS: dict[str, Rgb] = {"warning": (255, 190, 77), "alarm": (255, 90, 95)}
-VICTIM_COLORS: dict[str, Rgb] = {
-    "suspected": (255, 190, 77),
-    "confirmed": (255, 90, 95),
-    "reached": (92, 207, 255),
-    "extricated": (69, 214, 160),
-    "dismissed": (120, 132, 148),
-}
+PALETTE_FILE = Path(__file__).parent.parent / "static" / "palette.css"
+_BLOCK = re.compile(r':root(?:\[data-theme="(\w+)"\])? \{(.*?)\n\}', re.DOTALL)
+_COLOR = re.compile(r"--([\w-]+): #([0-9a-f]{6})(?:[0-9a-f]{2})?;")
 
 
-def robot_color(robot_id: str) -> Rgb:
-    """Return the robot's colour: r1, r2, ... in order, any other name by its letters (FNV-1a, 32 bit)."""
+def read_palette(css: str) -> dict[str, dict[str, Rgb]]:
+    """Return theme -> name -> colour; transparency is left out."""
+    return {
+        theme or "dark": {name: _rgb(code) for name, code in _COLOR.findall(block)}
+        for theme, block in _BLOCK.findall(css)
+    }
+
+
+def _rgb(code: str) -> Rgb:
+    return int(code[0:2], 16), int(code[2:4], 16), int(code[4:6], 16)
+
+
+THEMES: Mapping[str, Mapping[str, Rgb]] = read_palette(PALETTE_FILE.read_text())
+
+
+@dataclass(frozen=True, slots=True)
+class Palette:
+    """The colours of a scene in one theme."""
+
+    theme: str = "dark"
+
+    def __getitem__(self, name: str) -> Rgb:
+        """Return the colour of that name in ``static/palette.css``."""
+        return THEMES[self.theme][name]
+
+    def robot(self, robot_id: str) -> Rgb:
+        """Return a robot's colour."""
+        return robot_color(robot_id, self.theme)
+
+    def alert(self, severity: str) -> Rgb:
+        """Return the colour of an alert by its severity."""
+        return self[{"warning": "warn", "alarm": "danger"}.get(severity, "silent")]
+
+    def victim(self, status: str) -> Rgb:
+        """Return the colour of a victim by its status."""
+        names = {"suspected": "warn", "confirmed": "danger", "reached": "accent", "extricated": "good"}
+        return self[names.get(status, "silent")]
+
+
+def robot_index(robot_id: str) -> int:
+    """Return which of the robots' colours is its: r1, r2, ... in order, any other name by its letters.
+
+    FNV-1a, 32 bit.
+    """
     number = re.search(r"([0-9]{1,9})$", robot_id)
     if number and int(number[1]) > 0:
-        return ROBOT_COLORS[(int(number[1]) - 1) % len(ROBOT_COLORS)]
+        return (int(number[1]) - 1) % ROBOTS
     value = 0x811C9DC5
     for byte in robot_id.encode():
         value = ((value ^ byte) * 0x01000193) & 0xFFFFFFFF
-    return ROBOT_COLORS[value % len(ROBOT_COLORS)]
+    return value % ROBOTS
+
+
+def robot_color(robot_id: str, theme: str = "dark") -> Rgb:
+    """Return the robot's colour, the same as on the console's plan (static/console/color.js)."""
+    return THEMES[theme][f"robot-{1 + robot_index(robot_id)}"]

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import viser
 
-from web.viser.colors import robot_color
+from web.viser.colors import Palette
 
 _ABOVE_FLOOR_M = 0.05
 _RADIUS_M = 0.18
@@ -19,7 +19,8 @@ _SIDES = 12
 class FrontiersLayer:
     """Draws the edges that each robot weighed last."""
 
-    def __init__(self, server: viser.ViserServer):
+    def __init__(self, server: viser.ViserServer, palette: Palette):
+        self._palette = palette
         self._scene = server.scene
         self._names: dict[str, str] = {}
 
@@ -32,7 +33,7 @@ class FrontiersLayer:
         if not lines:
             self._scene.remove_by_name(name)
             return
-        color = robot_color(robot_id)
+        color = self._palette.robot(robot_id)
         self._scene.add_line_segments(
             name, np.concatenate(lines), color, thickness=1.5, thickness_units="screen"
         )

@@ -8,7 +8,7 @@ import numpy as np
 import viser
 from numpy.typing import NDArray
 
-from web.viser.colors import FLOOR, WALL
+from web.viser.colors import Palette, Rgb
 from web.viser.shapes import unit_box, upright
 
 WALL_HEIGHT_M = 1.4  # low enough to look over, high enough to read as a room
@@ -34,7 +34,8 @@ class Grid(NamedTuple):
 class MapLayer:
     """Draws the latest grid."""
 
-    def __init__(self, server: viser.ViserServer):
+    def __init__(self, server: viser.ViserServer, palette: Palette):
+        self._palette = palette
         self._server = server
 
     def show(self, grid: Grid) -> None:
@@ -47,7 +48,7 @@ class MapLayer:
         with self._server.atomic():
             self._server.scene.add_image(
                 "/map/floor",
-                floor_image(grid.cells),
+                floor_image(grid.cells, self._palette["floor"]),
                 *size_m,
                 format="png",
                 wxyz=_LYING_FACE_UP,
@@ -68,7 +69,7 @@ class MapLayer:
                 batched_scales=np.column_stack(
                     (boxes[:, 2:] * grid.resolution_m, np.full(len(boxes), WALL_HEIGHT_M))
                 ).astype(np.float32),
-                batched_colors=WALL,
+                batched_colors=self._palette["wall"],
                 lod="off",
                 flat_shading=True,
                 cast_shadow=False,
@@ -76,10 +77,10 @@ class MapLayer:
             )
 
 
-def floor_image(cells: Cells) -> NDArray[np.uint8]:
+def floor_image(cells: Cells, floor: Rgb) -> NDArray[np.uint8]:
     """Return RGBA, shape (h, w, 4), row 0 at the largest y: known cells as floor, unknown ones clear."""
     image = np.zeros((*cells.shape, 4), np.uint8)
-    image[cells[::-1] >= 0] = (*FLOOR, 255)
+    image[cells[::-1] >= 0] = (*floor, 255)
     return image
 
 

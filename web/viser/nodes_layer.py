@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import viser
 
-from web.viser.colors import ALERT_COLORS, SILENT, TAG
+from web.viser.colors import Palette
 from web.viser.shapes import prism, upright
 
 _MAST = prism([(0.03 * cos(i * pi / 3), 0.03 * sin(i * pi / 3)) for i in range(6)], 0.5)
@@ -24,7 +24,8 @@ _WORDS = {"hot": "hot", "tilted": "knocked over", "pressure": "pressure", "tag":
 class NodesLayer:
     """Draws all nodes whose place is known, at once: they change seldom."""
 
-    def __init__(self, server: viser.ViserServer):
+    def __init__(self, server: viser.ViserServer, palette: Palette):
+        self._palette = palette
         self._server = server
         self._pins: dict[str, str] = {}  # tag -> name in the scene
 
@@ -42,7 +43,7 @@ class NodesLayer:
                     *_MAST,
                     batched_wxyzs=upright(len(masts)),
                     batched_positions=np.array(masts, np.float32),
-                    batched_colors=TAG,
+                    batched_colors=self._palette["tag"],
                     lod="off",
                     flat_shading=True,
                     cast_shadow=False,
@@ -61,7 +62,7 @@ class NodesLayer:
     ) -> None:
         name = self._pins.setdefault(tag_id, f"/nodes/alerts/{len(self._pins) + 1}")
         noted = alert["acknowledged_unix_s"] is not None
-        color = SILENT if noted else ALERT_COLORS.get(alert["severity"], SILENT)
+        color = self._palette["silent"] if noted else self._palette.alert(alert["severity"])
         scene = self._server.scene
         scene.add_frame(name, show_axes=False, position=place)
         scene.add_cylinder(

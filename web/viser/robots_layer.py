@@ -7,7 +7,7 @@ from typing import Any
 
 import viser
 
-from web.viser.colors import SILENT, robot_color
+from web.viser.colors import Palette
 from web.viser.shapes import ellipse, prism, turn_z, unit_disc
 
 _BODY = prism([(0.6, 0.0), (-0.42, 0.4), (-0.26, 0.0), (-0.42, -0.4)], 0.35)
@@ -28,7 +28,8 @@ class _Robot:
 class RobotsLayer:
     """Draws each robot at its latest pose."""
 
-    def __init__(self, server: viser.ViserServer):
+    def __init__(self, server: viser.ViserServer, palette: Palette):
+        self._palette = palette
         self._scene = server.scene
         self._robots: dict[str, _Robot] = {}
         self._count = 0
@@ -44,7 +45,7 @@ class RobotsLayer:
         x_m, y_m = robot["x_m"], robot["y_m"]
         nodes.frame.position = (x_m, y_m, 0.03)
         nodes.frame.wxyz = turn_z(robot["yaw_rad"])
-        color = robot_color(robot_id) if robot.get("link") == "live" else SILENT
+        color = self._palette.robot(robot_id) if robot.get("link") == "live" else self._palette["silent"]
         if color != nodes.color:
             nodes.body.color = nodes.ellipse.color = nodes.color = color
         shape = ellipse(*robot["covariance"][:3])
@@ -55,7 +56,7 @@ class RobotsLayer:
     def _add(self, robot_id: str) -> _Robot:
         # The node's name is ours: an id from outside could hold a slash and hang itself below another node.
         self._count += 1
-        name, color = f"/robots/{self._count}", robot_color(robot_id)
+        name, color = f"/robots/{self._count}", self._palette.robot(robot_id)
         frame = self._scene.add_frame(name, show_axes=False)
         body = self._scene.add_mesh_simple(
             f"{name}/body", *_BODY, color=color, flat_shading=True, cast_shadow=False, receive_shadow=False

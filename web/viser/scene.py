@@ -14,7 +14,7 @@ import numpy as np
 import viser
 
 from web.viser.cameras import Cameras
-from web.viser.colors import GROUND
+from web.viser.colors import Palette
 from web.viser.frontiers_layer import FrontiersLayer
 from web.viser.map_layer import Cells, Grid, MapLayer
 from web.viser.nodes_layer import NodesLayer
@@ -50,28 +50,29 @@ class Batch:
 class MissionScene:
     """Keeps the latest value of every key and draws what changed, but only while somebody looks."""
 
-    def __init__(self) -> None:
+    def __init__(self, theme: str = "dark") -> None:
+        palette = Palette(theme)
         with contextlib.redirect_stdout(io.StringIO()):  # its banner names a port that users must not go to
             self._server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
         self.port = self._server.get_port()
         if not self.port:
             raise RuntimeError("The 3D view got no port on 127.0.0.1; free one and start again.")
-        self._map = MapLayer(self._server)
-        self._robots = RobotsLayer(self._server)
-        self._trails = TrailsLayer(self._server)
-        self._frontiers = FrontiersLayer(self._server)
-        self._tags = TagsLayer(self._server)
-        self._nodes = NodesLayer(self._server)
+        self._map = MapLayer(self._server, palette)
+        self._robots = RobotsLayer(self._server, palette)
+        self._trails = TrailsLayer(self._server, palette)
+        self._frontiers = FrontiersLayer(self._server, palette)
+        self._tags = TagsLayer(self._server, palette)
+        self._nodes = NodesLayer(self._server, palette)
         self._drawn_tags: dict[str, Value] = {}
-        self._victims = VictimsLayer(self._server)
+        self._victims = VictimsLayer(self._server, palette)
         self._cameras = Cameras(self._server)
         self._values: dict[str, Value] = {}
         self._changed: set[str] = set()
         self._grid: Grid | None = None
         self._slow_drawn_s = 0.0
-        _light(self._server.scene)
+        _light(self._server.scene, palette)
         # Sharing would open a tunnel to a public host; the proxy drops the request as well.
-        self._server.gui.configure_theme(dark_mode=True, show_logo=False, show_share_button=False)
+        self._server.gui.configure_theme(dark_mode=theme == "dark", show_logo=False, show_share_button=False)
         self._server.gui.set_panel_label("3D view")
         self._server.gui.main_panel.minimize()
 
@@ -158,10 +159,10 @@ class MissionScene:
             self._server.stop()
 
 
-def _light(scene: viser.SceneApi) -> None:
+def _light(scene: viser.SceneApi, palette: Palette) -> None:
     """Set the console's ground, and lights that leave the robots their colours; viser's own bleach them."""
     scene.set_up_direction("+z")
-    scene.set_background_image(np.full((2, 2, 3), GROUND, np.uint8), format="png")
+    scene.set_background_image(np.full((2, 2, 3), palette["unknown"], np.uint8), format="png")
     scene.configure_default_lights(enabled=False, cast_shadow=False)
     scene.configure_environment_map(None)
     scene.add_light_ambient("/lights/ambient", intensity=1.6)

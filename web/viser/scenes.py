@@ -7,6 +7,7 @@ from collections.abc import AsyncIterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
+from web.viser.colors import THEMES
 from web.viser.map_layer import Cells
 from web.viser.scene import MissionScene
 
@@ -23,9 +24,9 @@ class Board(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class _Running:
-    """A mission's scene and the tasks that keep it up to date."""
+    """A mission's scene in each theme, and the tasks that keep them up to date."""
 
-    scene: MissionScene
+    scenes: Mapping[str, MissionScene]
     tasks: tuple[asyncio.Task[None], ...]
 
 
@@ -39,21 +40,24 @@ class Scenes:
         """Open a scene for the mission and keep it in step with the board; a second call changes nothing."""
         if mission_id in self._running:
             return
-        scene = MissionScene()
-        tasks = (asyncio.create_task(_feed(scene, board)), asyncio.create_task(scene.run()))
-        self._running[mission_id] = _Running(scene, tasks)
+        scenes = {theme: MissionScene(theme) for theme in THEMES}
+        drawing = [asyncio.create_task(scene.run()) for scene in scenes.values()]
+        tasks = (asyncio.create_task(_feed(tuple(scenes.values()), board)), *drawing)
+        self._running[mission_id] = _Running(scenes, tasks)
 
-    def port(self, mission_id: str) -> int | None:
-        """Return the loopback port of a mission's scene, or None when it has none."""
+    def port(self, mission_id: str, theme: str = "dark") -> int | None:
+        """Return the loopback port of a mission's scene in a theme, or None when it has none."""
         running = self._running.get(mission_id)
-        return running.scene.port if running else None
+        scene = running.scenes.get(theme) if running else None
+        return scene.port if scene else None
 
     def update_map(
         self, mission_id: str, cells: Cells, origin_m: tuple[float, float], resolution_m: float
     ) -> None:
         """Give a mission's scene its fused map: int8 (h, w), -1 unknown, 0..100; row 0 at the lowest y."""
         if running := self._running.get(mission_id):
-            running.scene.update_map(cells, origin_m, resolution_m)
+            for scene in running.scenes.values():
+                scene.update_map(cells, origin_m, resolution_m)
 
     async def stop(self, mission_id: str) -> None:
         """Close a mission's scene; nothing when it has none."""
@@ -63,19 +67,21 @@ class Scenes:
         for task in running.tasks:
             task.cancel()
         await asyncio.gather(*running.tasks, return_exceptions=True)
-        await asyncio.to_thread(running.scene.stop)
+        await asyncio.gather(*(asyncio.to_thread(scene.stop) for scene in running.scenes.values()))
 
     async def close(self) -> None:
         """Close every scene."""
         await asyncio.gather(*(self.stop(mission_id) for mission_id in tuple(self._running)))
 
 
-async def _feed(scene: MissionScene, board: Board) -> None:
-    """Pass the board's state and then its changes on to the scene."""
+async def _feed(scenes: Sequence[MissionScene], board: Board) -> None:
+    """Pass the board's state and then its changes on to the scenes."""
     changes = board.subscribe()
-    scene.replace(board.snapshot())
+    for scene in scenes:
+        scene.replace(board.snapshot())
     async for values, deleted in changes:
-        for key, value in values.items():
-            scene.put(key, value)
-        for key in deleted:
-            scene.put(key, None)
+        for scene in scenes:
+            for key, value in values.items():
+                scene.put(key, value)
+            for key in deleted:
+                scene.put(key, None)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import viser
 
-from web.viser.colors import DOUBTED_TAG, TAG, Rgb
+from web.viser.colors import Palette, Rgb
 from web.viser.shapes import Mesh, prism, upright
 
 _HEXAGON = prism([(0.16 * cos(i * pi / 3), 0.16 * sin(i * pi / 3)) for i in range(6)], 0.05)
@@ -21,7 +21,8 @@ _ABOVE_FLOOR_M = 0.03
 class TagsLayer:
     """Draws all tags and links at once: they change seldom, and one node is cheap where hundreds are not."""
 
-    def __init__(self, server: viser.ViserServer):
+    def __init__(self, server: viser.ViserServer, palette: Palette):
+        self._palette = palette
         self._server = server
 
     def show(self, tags: Mapping[str, dict[str, Any]], pairs: Iterable[tuple[str, str]]) -> None:
@@ -32,11 +33,16 @@ class TagsLayer:
         doubted = [tag_id for tag_id, tag in tags.items() if tag.get("state", "sound") != "sound"]
         sound = [places[tag_id] for tag_id in places if tag_id not in doubted]
         with self._server.atomic():
-            self._show_points("/tags/points", _HEXAGON, sound, TAG)
-            self._show_points("/tags/doubted", _POINTED, [places[tag_id] for tag_id in doubted], DOUBTED_TAG)
+            self._show_points("/tags/points", _HEXAGON, sound, self._palette["tag"])
+            astray = [places[tag_id] for tag_id in doubted]
+            self._show_points("/tags/doubted", _POINTED, astray, self._palette["doubted"])
             if lines:
                 scene.add_line_segments(
-                    "/tags/links", np.array(lines, np.float32), TAG, thickness=1.0, thickness_units="screen"
+                    "/tags/links",
+                    np.array(lines, np.float32),
+                    self._palette["tag"],
+                    thickness=1.0,
+                    thickness_units="screen",
                 )
             else:
                 scene.remove_by_name("/tags/links")

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import viser
 
-from web.viser.colors import robot_color
+from web.viser.colors import Palette
 
 _ABOVE_FLOOR_M = 0.04
 
@@ -15,7 +15,8 @@ _ABOVE_FLOOR_M = 0.04
 class TrailsLayer:
     """Draws each robot's trail."""
 
-    def __init__(self, server: viser.ViserServer):
+    def __init__(self, server: viser.ViserServer, palette: Palette):
+        self._palette = palette
         self._scene = server.scene
         self._names: dict[str, str] = {}
 
@@ -30,7 +31,7 @@ class TrailsLayer:
         self._scene.add_line_segments(
             name,
             np.stack((line[:-1], line[1:]), axis=1),
-            robot_color(robot_id),
+            self._palette.robot(robot_id),
             thickness=2.5,
             thickness_units="screen",
         )

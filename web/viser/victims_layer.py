@@ -6,7 +6,7 @@ from typing import Any
 
 import viser
 
-from web.viser.colors import SILENT, VICTIM_COLORS
+from web.viser.colors import Palette
 
 _PIN_M = 2.2
 
@@ -14,7 +14,8 @@ _PIN_M = 2.2
 class VictimsLayer:
     """Draws each victim."""
 
-    def __init__(self, server: viser.ViserServer):
+    def __init__(self, server: viser.ViserServer, palette: Palette):
+        self._palette = palette
         self._scene = server.scene
         self._names: dict[str, str] = {}
 
@@ -24,7 +25,7 @@ class VictimsLayer:
         if victim is None:
             self._scene.remove_by_name(name)
             return
-        color = VICTIM_COLORS.get(victim["status"], SILENT)
+        color = self._palette.victim(victim["status"])
         self._scene.add_frame(name, show_axes=False, position=(victim["x_m"], victim["y_m"], 0.0))
         self._scene.add_cylinder(
             f"{name}/pole", 0.04, _PIN_M, color, position=(0.0, 0.0, _PIN_M / 2.0), cast_shadow=False

@@ -20,6 +20,7 @@ from robots.estimation.slip.features import (
     extended_features,
 )
 from robots.estimation.slip.noise import WalkNoise
+from robots.estimation.slip.patches import UNKNOWN
 from robots.estimation.slip.tree import SlipTrees, load_trees
 from robots.se2 import wrap
 from robots.types import Command, ImuReading, Odometry, WheelEncoders
@@ -48,6 +49,7 @@ class SlipDetector:
         self._stamp_s: float | None = None
         self._pending = [0.0, 0.0, 0.0, 0.0]  # metres rolled while the clock stood still
         self.slipping = False
+        self.share = UNKNOWN  # of slippage among moments like the last one
 
     def observe(
         self, stamp_s: float, odometry: Odometry | None, imu: ImuReading | None, command: Command | None
@@ -72,7 +74,9 @@ class SlipDetector:
             return self._forget()
         four = wheels[0], wheels[1], wheels[2], wheels[3]
         self._remember(Moment(stamp_s, since_s, four, self._unwrapped(imu), _motion(command)))
-        self.slipping = max(map(abs, wheels)) >= _STILL_MPS and self._decide()
+        self.share, self.slipping = UNKNOWN, False
+        if max(map(abs, wheels)) >= _STILL_MPS:
+            self._decide()
         return self.slipping
 
     def values(self) -> tuple[list[float] | None, list[float] | None]:
@@ -85,11 +89,14 @@ class SlipDetector:
         extended = extended_features(moments[first:], moments[first - 1], self._noise) if first > 0 else None
         return basic_features(moments[-1], self._noise), extended
 
-    def _decide(self) -> bool:
+    def _decide(self) -> None:
         basic, extended = self.values()
+        tree, values = self._trees.basic, basic
         if extended is not None and self._kind == "extended":
-            return self._trees.extended.alarms(extended)
-        return basic is not None and self._trees.basic.alarms(basic)
+            tree, values = self._trees.extended, extended
+        if values is not None:
+            self.share = tree.share(values)
+            self.slipping = self.share > tree.alarm_above
 
     def _remember(self, moment: Moment) -> None:
         self._moments.append(moment)
@@ -112,7 +119,7 @@ class SlipDetector:
         self._noise.differences.forget()
         self._noise.mean.forget()
         self._pending = [0.0, 0.0, 0.0, 0.0]
-        self.slipping = False
+        self.share, self.slipping = UNKNOWN, False
         return False
 
 

@@ -54,10 +54,6 @@ class SlipTree:
             node = self.nodes[node.then if values[node.feature] <= node.at_most else node.otherwise]
         return node.slip
 
-    def alarms(self, values: Sequence[float]) -> bool:
-        """Return whether these values are slippage beyond doubt."""
-        return self.share(values) > self.alarm_above
-
 
 @dataclass(frozen=True, slots=True)
 class SlipTrees:

@@ -6,6 +6,7 @@ from dataclasses import replace
 from math import hypot, isfinite
 
 from robots.exploration.aim import Aim
+from robots.exploration.area import holds
 from robots.exploration.frontiers import Frontier
 from robots.exploration.ground import Ground
 from robots.exploration.methods import unknown_method
@@ -13,6 +14,7 @@ from robots.orders import PLACED, Methods, OrderReport, OrderState, RobotOrder
 from robots.planning.plan_grid import UNKNOWN
 
 HERE_M = 8.0  # round the place of "explore here"
+RIM_M = 1.0  # round its area: walls stand there, and people draw roughly
 _THERE_M = 0.4  # as good as at the place
 _BESIDE_M = 1.0  # where the place itself cannot be driven on
 _PATIENCE_S = 30.0  # a place that cannot be reached for so long has failed
@@ -93,6 +95,8 @@ class Errands:
         order = self.standing
         if order is None or order.kind not in PLACED or order.place_m is None:
             return None
+        if order.area_m and holds(order.area_m, ground.pose.x, ground.pose.y):
+            self._arrived = True
         if order.kind == "explore_here" and self._arrived:
             return None
         x, y = order.place_m
@@ -117,10 +121,14 @@ class Errands:
         if order is None or order.kind != "explore_here" or order.place_m is None or not self._arrived:
             return edges
         x, y = order.place_m
-        near = tuple(f for f in edges if hypot(f.goal_m[0] - x, f.goal_m[1] - y) < HERE_M)
+        if order.area_m:
+            near = tuple(f for f in edges if holds(order.area_m, *f.goal_m, RIM_M))
+        else:
+            near = tuple(f for f in edges if hypot(f.goal_m[0] - x, f.goal_m[1] - y) < HERE_M)
         if near:
             return near
-        self._settle("done", "no edge of the unknown is left near the place")
+        where = "in the area" if order.area_m else "near the place"
+        self._settle("done", f"no edge of the unknown is left {where}")
         self.standing = None
         return edges
 

@@ -5,12 +5,14 @@ The way home is costed at every plan, so a robot leaves in time: need = reserve 
 
 from __future__ import annotations
 
-from math import hypot, isfinite
+from math import isfinite
 
 from robots.config import BodyConfig, PlanningConfig
 from robots.exploration.aim import Aim
 from robots.exploration.ground import Ground
-from robots.se2 import Pose2
+from robots.exploration.manners.parking import parking_place
+from robots.exploration.manners.shut_ways import as_far_as_it_goes, hopeful
+from robots.se2 import Array, Pose2
 
 HOME_M = 1.5  # near enough to where it started: others may stand there too
 _CROWDED_M = 4.0  # and near enough where nothing nearer can be reached
@@ -19,6 +21,7 @@ _SAFETY = 1.25  # ways home are longer than planned
 _CHANGED = 0.05  # a battery that rises by so much was charged or changed
 _HASTE = 0.5  # share of the top speed that is driven on the whole, turns and doors included
 _MARGIN_S = 10.0
+_BERTH_M = 0.25  # that others keep of one who stands: they see it blurred
 _JUMP_M = 0.5  # between two decisions: the map moved, not the robot
 
 
@@ -39,6 +42,8 @@ class Homing:
         self._way_m = 0.0  # back to the base, when last known
         self.contact_m: tuple[float, float] | None = None
         self._low = False
+        self._apart_m = 2.0 * body.radius_m + planning.clearance_m + _BERTH_M
+        self._parking_m: tuple[float, float] | None = None
 
     @property
     def use_per_m(self) -> float:
@@ -85,10 +90,16 @@ class Homing:
                 return f"the mission ends in {left_s:.0f} s"
         return None
 
-    def aim(self, ground: Ground, why: str) -> Aim:
+    def is_shut(self, ground: Ground) -> bool:
+        """Say whether no way leads to the base or near it, where the base is on the map."""
+        on_map = ground.grid.holds(*ground.grid.cell_of(0.0, 0.0))
+        return on_map and ground.nearest(0.0, 0.0, _CROWDED_M) is None
+
+    def aim(self, ground: Ground, why: str, trail: Array) -> Aim:
         """Return the way back, or a rest where it has got as near as it can.
 
         To the base; to where others were heard last when that is nearer and the battery does not reach home.
+        Where no way leads there it goes to see whether the one it came on (``trail``, (k, 4)) is open by now.
         """
         place, name = (0.0, 0.0), "the base"
         contact = self.contact_m
@@ -96,21 +107,52 @@ class Homing:
             at = ground.nearest(*contact, HOME_M)
             if at is not None and ground.cost_m(at) < self._way_m:
                 place, name = contact, "where others were heard last"
-        if ground.distance_m(*place) <= HOME_M:
-            return Aim("rest", "done", f"{why}; I am at {name}")
-        cell = ground.nearest(*place, float("inf"))
-        path = None if cell is None else ground.path_to(cell)
-        if cell is None or path is None:
-            return Aim("rest", "returning", f"{why}; the way to {name} is shut for now")
+        cell = ground.nearest(*place, _CROWDED_M)
+        if cell is None:
+            return _look_for_a_way(ground, place, trail, f"{why}; the way to {name} is shut for now")
         end = ground.grid.centre_of(*cell)
-        short_m = hypot(end[0] - place[0], end[1] - place[1])
-        if ground.distance_m(*end) < 0.3:
-            near = short_m <= _CROWDED_M
-            text = f"as near to {name} as I can get" if near else f"the way to {name} is shut for now"
-            return Aim("rest", "done" if near else "returning", f"{why}; {text}")
-        return Aim("place", "returning", f"driving {ground.cost_m(cell):.0f} m to {name}: {why}", end, path)
+        if self._parking_m is None and ground.distance_m(*place) > HOME_M and ground.distance_m(*end) >= 0.3:
+            path = ground.path_to(cell)
+            reason = f"driving {ground.cost_m(cell):.0f} m to {name}: {why}"
+            return (
+                Aim("rest", "returning", why)
+                if path is None
+                else Aim("place", "returning", reason, end, path)
+            )
+        return self._park(ground, place, name, why)
+
+    def leave(self) -> None:
+        """Note that the robot is off to somewhere else."""
+        self._parking_m = None
+
+    def _park(self, ground: Ground, place: tuple[float, float], name: str, why: str) -> Aim:
+        """Return the way to where it shuts no way, chosen once, or a rest there."""
+        if self._parking_m is None:
+            spot = parking_place(ground, place, (HOME_M, _CROWDED_M), self._apart_m)
+            self._parking_m = ground.grid.centre_of(*spot) if spot else (ground.pose.x, ground.pose.y)
+        cell = ground.nearest(*self._parking_m, HOME_M)
+        end = None if cell is None else ground.grid.centre_of(*cell)
+        path = None if cell is None else ground.path_to(cell)
+        if end is None or path is None or ground.distance_m(*end) < 0.3:
+            home = ground.distance_m(*place) <= HOME_M
+            return Aim(
+                "rest",
+                "done",
+                f"{why}; " + (f"I am at {name}" if home else f"as near to {name} as I can get"),
+            )
+        return Aim("place", "returning", f"driving out of the others' way: {why}", end, path)
 
     def _falls_short(self, ground: Ground) -> bool:
         if ground.nearest(0.0, 0.0, _CROWDED_M) is None:
             return True
         return self.battery is not None and self.battery < self.use_per_m * self._way_m
+
+
+def _look_for_a_way(ground: Ground, place: tuple[float, float], trail: Array, why: str) -> Aim:
+    """Go as far towards a place as the way there goes, and look round: what shut it may have gone."""
+    at = ground.grid.cell_of(*place)
+    cell = as_far_as_it_goes(ground, hopeful(ground.grid, trail), at) or ground.nearest(*place, float("inf"))
+    path = None if cell is None else ground.path_to(cell)
+    if cell is None or path is None:
+        return Aim("rest", "returning", why)
+    return Aim("place", "returning", why, ground.grid.centre_of(*cell), path, looks=True)

@@ -12,6 +12,7 @@ import numpy as np
 
 from robots.exploration.frontiers import Frontier
 from robots.exploration.strategies.information_gain import SEEN_M, SQUARE_M2, WORTH_M
+from robots.exploration.strategies.sweep import Sweep
 from robots.exploration.strategy import ExplorationView, goals_of, ways_of
 from robots.exploration.told.claims import driven
 from robots.exploration.told.far_sight import FarFrontier, FarSight
@@ -31,13 +32,18 @@ class Waymark:
 
     def __init__(self) -> None:
         self._far = FarSight()
+        self._sweep = Sweep()
 
     def candidates(self, view: ExplorationView) -> tuple[Frontier, ...]:
         """Return the frontiers; with a small map, those beyond which nothing is covered, or ways far off."""
+        if view.settings.safe.sweep:
+            return self._sweep.candidates(view)
         return self._far.candidates(view) if view.settings.local_map_m else view.frontiers
 
     def worths(self, view: ExplorationView) -> Array:
         """Return what is to be seen less the way, the way beyond, and what others took upon themselves."""
+        if view.settings.safe.sweep:
+            return self._sweep.worths(view)
         if view.settings.local_map_m:  # what is claimed was left out
             untold, _ = self._far.survey().shares(places_of(view), SEEN_M)
             return WORTH_M * untold - ways_of(view)
@@ -45,6 +51,8 @@ class Waymark:
 
     def reason(self, view: ExplorationView, index: int) -> str:
         """Return how much is to be seen, or why it goes where others were."""
+        if view.settings.safe.sweep:
+            return f"make about {self._sweep.areas(view)[index]:.0f} m² of ground safe on the way"
         if isinstance(view.frontiers[index], FarFrontier):
             return "ground that was left open, along tags"
         untold, claimed = view.survey.shares(goals_of(view)[index : index + 1], SEEN_M)

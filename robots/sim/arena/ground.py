@@ -8,6 +8,7 @@ from functools import lru_cache
 import numpy as np
 
 from robots.se2 import Pose2
+from robots.sim.hostile import HostileConfig
 from robots.sim.scenario import ScenarioConfig, build_world
 from robots.sim.score import observable
 from robots.sim.starts import place_robots
@@ -29,13 +30,13 @@ class Ground:
 
 
 def ground_of(config: ScenarioConfig) -> Ground:
-    """Return the ground of a scenario: the same map, seed and laser give the same.
+    """Return the ground of a scenario: the same map, seed, rubble and laser give the same.
 
     Raises:
         WorldError, ScenarioError: it cannot be had; the message says why.
     """
     radius_m = config.agent_config.body.radius_m
-    world, seen = _world(config.map, config.seed, radius_m, config.laser.range_max_m)
+    world, seen = _world(config.map, config.seed, radius_m, config.laser.range_max_m, config.hostile)
     starts = place_robots(
         world, config.robots, radius_m, config.start, np.random.default_rng([config.seed, 3])
     )
@@ -43,6 +44,8 @@ def ground_of(config: ScenarioConfig) -> Ground:
 
 
 @lru_cache(maxsize=2)
-def _world(map_spec: str, seed: int, radius_m: float, range_m: float) -> tuple[World, Mask]:
-    world = build_world(ScenarioConfig(map=map_spec, seed=seed))
+def _world(
+    map_spec: str, seed: int, radius_m: float, range_m: float, hostile: HostileConfig
+) -> tuple[World, Mask]:
+    world = build_world(ScenarioConfig(map=map_spec, seed=seed, hostile=hostile))
     return world, observable(world, radius_m, range_m)

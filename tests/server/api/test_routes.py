@@ -1,8 +1,11 @@
 """Routes through the API, on what a robot of the simulator really drove."""
 
 from math import hypot
+from urllib.parse import quote
 
 import pytest
+
+from robots.tags.short_id import short_id
 
 
 @pytest.fixture
@@ -56,3 +59,28 @@ def test_a_tag_says_where_it_is_in_words(control, driven, tags):
     assert latest["tag_id"] == a
     assert control.call("GET", "/where/nothing").status_code == 404
     assert control.call("GET", f"/where/{a}?mission=none").status_code == 404
+
+
+def test_what_is_typed_off_a_label_leads_to_its_tag(driven, tags):
+    tag_id = sorted(tags)[0]
+    written = short_id(tag_id)
+    for typed in (tag_id, written, written.lower().replace("-", " ")):
+        assert tag_id in driven.control.call("GET", f"/where?typed={quote(typed)}").json()["tag_ids"]
+    wrong = written[:-1] + ("0" if written[-1] != "0" else "1")
+    assert driven.control.call("GET", f"/where?typed={wrong}").json() == {
+        "tag_ids": [],
+        "trouble": "mistyped",
+    }
+    assert driven.control.call("GET", "/where?typed=0000-V").json()["trouble"] in ("unknown", "mistyped")
+
+
+def test_words_come_in_german_too(driven, tags):
+    a, b = driven.get("/tags")["links"][0]
+    route = driven.get(f"/routes?from={a}&to=tag:{b}&language=de")
+    assert route["legs"][-1]["text"].endswith(f" bis Marke {b}.")
+    victim = driven.get("/victims")["victims"][0]["victim_id"]
+    last = driven.get(f"/routes?from={a}&to=victim:{victim}&language=de")["last"]
+    assert last["text"].endswith(f"gehen: Dort ist Opfer {victim}.")
+    where = driven.control.call("GET", f"/where/{a}?language=de").json()
+    assert where["text"].startswith(f"Sie sind an Marke {a}.")
+    assert driven.control.call("GET", f"/where/{a}?language=fr").status_code == 422

@@ -20,12 +20,12 @@ async function logOut() {
 export function Account({ store }) {
   const { me } = store;
   if (!me?.login) return null;
-  const others = [...store.people.values()].filter(({ name }) => name !== me.name).map(({ name }) => name);
+  const others = [...store.live.people.values()].filter(({ name }) => name !== me.name).map(({ name }) => name);
   return html`
-    <details class="account">
+    <details class="pop account">
       <summary aria-label=${`Logged in as ${me.name}, ${me.role}`} title="Who is here">
         <b>${me.name}</b>${others.length > 0 && html`<span class="count">+${others.length}</span>`}</summary>
-      <div class="account-card">
+      <div class="pop-card">
         <p>You are <b>${me.name}</b>, ${me.role}.</p>
         <p>${others.length ? html`Also watching: ${others.join(", ")}.` : "Nobody else is watching this mission."}</p>
         ${me.role === "commander" && html`<a href="/people">People, robots' tokens, changes</a>`}

@@ -2,6 +2,7 @@
 
 import { age, fixed, timeOfDay } from "./format.js";
 import { acknowledge, alarming, ALERT_KINDS, alertsOf, endMayday, isOpen, readings, subjectOf } from "./node_sensors.js";
+import { Photos } from "./photos.js";
 import { TagMemory } from "./tag_memory.js";
 import { html } from "./vendor.js";
 
@@ -74,11 +75,12 @@ export function TagCard({ store }) {
           tag.sightings === 1 ? "once" : `${tag.sightings} times`} by ${tag.robots.join(", ")}.</p>`
         : html`<p>Heard by radio; where it is, is not known yet.</p>`}
       ${tag?.notice && html`<p class="warn">${tag.notice}</p>`}
+      <${Photos} store=${store} of=${{ tag_id: id }} />
       ${tag && html`<${TagMemory} key=${id} store=${store} tagId=${id} />`}
       ${node && html`
         <dl class="readings">${readings(node).map(([label, value]) =>
           html`<div><dt>${label}</dt><dd>${value}</dd></div>`)}</dl>
-        <p class="hint-line">Heard by ${node.robot_id} ${age(Math.max(0, store.serverNow() - node.heard_unix_s))}.</p>`}
+        <p class="hint-line">Heard by ${node.robot_id} ${age(Math.max(0, store.moment() - node.heard_unix_s))}.</p>`}
       ${alertsOf(store, id).map((alert) => html`
         <div class=${`tag-alert alert-${alert.severity}`} key=${alert.alert_id}><b>${alert.text}</b>
           <${Acknowledgement} alert=${alert} store=${store} /></div>`)}

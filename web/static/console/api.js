@@ -14,6 +14,9 @@ export class ApiError extends Error {
 }
 
 const TIMEOUT_MS = 5000;
+const ALWAYS = /\/(stop|session|evacuation(\/acknowledge)?)$/;
+/** Why nothing may be changed now, in a sentence; empty while it may. */
+export const refusal = { of: () => "" };
 
 /**
  * @param {string} method
@@ -22,6 +25,7 @@ const TIMEOUT_MS = 5000;
  * @returns {Promise<any>} the answer's JSON
  */
 export async function request(method, path, body) {
+  if (method !== "GET" && refusal.of() && !ALWAYS.test(path)) throw new ApiError("in_the_past", refusal.of(), 0);
   const response = await fetchChecked(`/api/v1${path}`, {
     method,
     headers: body === undefined ? {} : { "Content-Type": "application/json" },
@@ -43,7 +47,7 @@ export async function request(method, path, body) {
 export async function fetchChecked(address, options = {}) {
   let response;
   try {
-    response = await fetch(address, { ...options, signal: AbortSignal.timeout(TIMEOUT_MS) });
+    response = await fetch(address, { ...options, signal: options.signal ?? AbortSignal.timeout(TIMEOUT_MS) });
   } catch {
     throw new ApiError("unreachable", "The server does not answer.", 0);
   }

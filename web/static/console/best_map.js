@@ -63,7 +63,7 @@ export class BestMap {
 
   /** Show the best map; one is made where there is none or robots have seen more since. */
   show() {
-    if (this.isShown || !this.store.mission) return;
+    if (this.isShown || !this.store.mission || this.store.past.board) return;
     this.isShown = true;
     this.store.changed();
     if (this.isStale()) this.solve();

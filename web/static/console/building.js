@@ -1,26 +1,28 @@
 /** The fused map of the building: fetched as a palette PNG, coloured here, laid on the plan cell by cell. */
 
+import { rgb, shownTheme } from "../theme.js";
 import { fetchChecked } from "./api.js";
 import { L } from "./vendor.js";
 
 /** @import {MapInfo} from "./types.js" */
 /** @import {Store} from "./store.js" */
 
-const FREE = [35, 49, 67];
-const WALL = [222, 232, 244];
 const SHORTEST_PAUSE_MS = 500;
 
 export class Building {
   /**
    * @param {import("leaflet").Map} map
    * @param {Store} store
-   * @param {{of: () => MapInfo | null, isShown: () => boolean, onFree: (free_m2: number) => void}} source which map,
-   *   whether it is the one that is looked at, and who wants to know how much floor is in it
+   * @param {{of: () => MapInfo | null, isShown: () => boolean, layer?: string, pane?: string, onFree?: (free_m2: number) => void,
+   *   paint?: (pixels: Uint8ClampedArray, palette: number[][]) => void}} source which map, whether it is the one that
+   *   is looked at, the layer it is if not the building itself and the pane for it, who wants to know how much floor is in it, and what colours it otherwise than as a building
+   * @param {number} [pause_ms] shortest time between two pictures
    */
-  constructor(map, store, source) {
+  constructor(map, store, source, pause_ms = SHORTEST_PAUSE_MS) {
     this.map = map;
     this.store = store;
     this.source = source;
+    this.pause_ms = pause_ms;
     this.canvas = document.createElement("canvas");
     this.canvas.className = "leaflet-image-layer building";
     /** @type {any} */
@@ -32,18 +34,17 @@ export class Building {
 
   /** Bring the overlay to the latest version, at most twice a second, also while another map is looked at. */
   update() {
-    const { layers } = this.store;
     const info = this.source.of();
-    if (!info || !layers.map) {
+    if (!info || !this.#isOn()) {
       this.overlay?.remove();
       if (!info) this.overlay = null, this.shownAddress = "";
       return;
     }
     this.#place();
-    const address = `${info.png}#${info.version}`;
+    const address = `${info.png}#${info.version} ${shownTheme()}`;
     if (this.loading || address === this.shownAddress) return;
     this.loading = true;
-    const pause_ms = Math.max(0, this.loadedAt + SHORTEST_PAUSE_MS - Date.now());
+    const pause_ms = Math.max(0, this.loadedAt + this.pause_ms - Date.now());
     setTimeout(() => this.#load(info, address), pause_ms);
   }
 
@@ -84,25 +85,29 @@ export class Building {
     ctx.drawImage(bitmap, 0, 0);
     bitmap.close();
     const image = ctx.getImageData(0, 0, width, height);
-    const free = paint(image.data, palette);
+    if (this.source.paint) this.source.paint(image.data, palette);
+    else this.source.onFree?.(paint(image.data, palette) * info.resolution_m ** 2);
     ctx.putImageData(image, 0, 0);
-    this.source.onFree(free * info.resolution_m ** 2);
 
     const [x_m, y_m] = info.origin_m;
     /** @type {[number, number][]} */
     const bounds = [[y_m, x_m], [y_m + height * info.resolution_m, x_m + width * info.resolution_m]];
     if (this.overlay) this.overlay.setBounds(L.latLngBounds(bounds));
     else {
-      this.overlay = L.imageOverlay("", bounds, { pane: "building" });
+      this.overlay = L.imageOverlay("", bounds, { pane: this.source.pane ?? (this.source.layer ? "layers" : "building") });
       this.overlay._image = canvas; // an image overlay makes its own <img> unless it has an element already
     }
     this.#place();
   }
 
+  #isOn() {
+    return this.store.layers[this.source.layer ?? "map"];
+  }
+
   /** Put the overlay on the plan, or take it off. */
   #place() {
     if (!this.overlay) return;
-    const isWanted = this.store.layers.map && this.source.isShown();
+    const isWanted = this.#isOn() && this.source.isShown();
     if (isWanted !== this.map.hasLayer(this.overlay)) isWanted ? this.overlay.addTo(this.map) : this.overlay.remove();
   }
 }
@@ -118,7 +123,7 @@ export function paletteOf(png) {
     const length = view.getUint32(at);
     const name = String.fromCharCode(...png.subarray(at + 4, at + 8));
     if (name === "PLTE") {
-      return [0, 1, 2].map((entry) => [...png.subarray(at + 8 + 3 * entry, at + 11 + 3 * entry)]);
+      return Array.from({ length: length / 3 }, (_, entry) => [...png.subarray(at + 8 + 3 * entry, at + 11 + 3 * entry)]);
     }
     at += 12 + length;
   }
@@ -132,11 +137,12 @@ export function paletteOf(png) {
  */
 export function paint(pixels, palette) {
   const [, free, occupied] = palette;
+  const [floor, wall] = [rgb("floor"), rgb("wall")];
   let count = 0;
   for (let at = 0; at < pixels.length; at += 4) {
     if (pixels[at + 3] < 128) continue;
     const isWall = distance(pixels, at, occupied) < distance(pixels, at, free);
-    const [r, g, b] = isWall ? WALL : FREE;
+    const [r, g, b] = isWall ? wall : floor;
     pixels[at] = r;
     pixels[at + 1] = g;
     pixels[at + 2] = b;

@@ -3,8 +3,8 @@
 import { L } from "./vendor.js";
 
 /**
- * Where world metres fall on the canvas.
- * @typedef {{scale: number, width: number, height: number, toX: (x_m: number) => number,
+ * Where world metres fall on the canvas; `text` is how much larger than usual words are.
+ * @typedef {{scale: number, text: number, width: number, height: number, toX: (x_m: number) => number,
  *   toY: (y_m: number) => number}} View
  */
 
@@ -57,6 +57,7 @@ export function canvasLayer(pane, draw) {
       ctx.clearRect(0, 0, width, height);
       draw(ctx, {
         scale, width, height,
+        text: parseFloat(getComputedStyle(document.documentElement).fontSize) / 16,
         toX: (x_m) => origin.x + x_m * scale,
         toY: (y_m) => origin.y - y_m * scale,
       });

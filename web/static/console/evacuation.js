@@ -18,17 +18,17 @@ async function order(store, method, path = "") {
 
 /** In the bar over everything. @param {{store: Store}} props */
 export function EvacuateButton({ store }) {
-  if (!store.missionId || store.evacuation) return null;
+  if (!store.missionId || store.live.evacuation) return null;
   return html`<${HoldButton} label="EVACUATE" name="EVACUATE: order everybody out" kind="evacuate"
     onFire=${() => order(store, "POST")} />`;
 }
 
 /** Across the page while it holds. @param {{store: Store}} props */
 export function EvacuationBanner({ store }) {
-  const { evacuation } = store;
+  const { evacuation, people } = store.live;
   if (!evacuation) return null;
   const heard = evacuation.acknowledged.map(({ name }) => name);
-  const missing = [...store.people.keys()].filter((name) => !heard.includes(name));
+  const missing = [...people.keys()].filter((name) => !heard.includes(name));
   const mine = !store.me || heard.includes(store.me.name);
   return html`<div class="evacuation" role="alert">
     <strong>EVACUATE</strong>

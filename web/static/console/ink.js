@@ -1,16 +1,18 @@
 /** What is drawn over the building in lines: metre grid, links, trails, plan of the selected robot, tags. */
 
+import { color } from "../theme.js";
 import { robotColor } from "./color.js";
 import { ellipse } from "./format.js";
 import { drawFrontiers } from "./frontiers.js";
+import { drawGridReference } from "./grid_reference.js";
+import { drawMeasured } from "./measure.js";
 import { drawAreas } from "./notes.js";
+import { drawResponders } from "./responders.js";
 
 /** @import {Store} from "./store.js" */
 /** @import {View} from "./canvas_layer.js" */
 
-const TAG = "#fff3c4";
-const DOUBTED = "#ff8a4c";
-const HALO = "rgba(7, 11, 17, 0.85)";
+
 const LABEL_FROM_PX_PER_M = 16;
 const GRID_STEPS_M = [1, 5, 10, 50, 100, 500];
 
@@ -24,10 +26,11 @@ export const drawGround = (store) =>
    * @param {View} view
    */
   (ctx, view) => {
+    if (store.layers.reference) drawGridReference(ctx, view);
     if (!store.layers.grid) return;
     const step_m = GRID_STEPS_M.find((step) => step * view.scale >= 24) ?? 1000;
     ctx.lineWidth = 1;
-    ctx.strokeStyle = "rgba(148, 175, 205, 0.09)";
+    ctx.strokeStyle = color("grid");
     ctx.beginPath();
     const left = Math.floor((0 - view.toX(0)) / view.scale / step_m) * step_m;
     for (let x_m = left; view.toX(x_m) < view.width; x_m += step_m) {
@@ -58,6 +61,8 @@ export const drawInk = (store) =>
     if (store.layers.frontiers && !store.best.isShown) drawFrontiers(ctx, view, store);
     if (store.layers.plans) drawPlan(ctx, view, store);
     if (store.layers.tags) drawTags(ctx, view, store);
+    if (store.layers.responders) drawResponders(ctx, view, store);
+    if (store.measured) drawMeasured(ctx, view, store.measured);
   };
 
 /**
@@ -66,7 +71,8 @@ export const drawInk = (store) =>
  * @param {Store} store
  */
 function drawLinks(ctx, view, store) {
-  ctx.strokeStyle = "rgba(255, 243, 196, 0.28)";
+  ctx.strokeStyle = color("tag");
+  ctx.globalAlpha = 0.3;
   ctx.lineWidth = 1;
   ctx.beginPath();
   const { links, tags } = store.shown;
@@ -78,6 +84,7 @@ function drawLinks(ctx, view, store) {
     ctx.lineTo(view.toX(b.x_m), view.toY(b.y_m));
   }
   ctx.stroke();
+  ctx.globalAlpha = 1;
 }
 
 /**
@@ -104,22 +111,22 @@ function drawTrails(ctx, view, store) {
 function drawPlan(ctx, view, store) {
   const robot = store.selected?.kind === "robot" ? store.shown.robots.get(store.selected.id) : undefined;
   if (!robot) return;
-  const color = robotColor(robot.robot_id);
+  const own = robotColor(robot.robot_id);
   if (robot.path_m?.length) {
     /** @type {[number, number][]} */
     const path = [[robot.x_m, robot.y_m], ...robot.path_m];
-    ctx.strokeStyle = HALO;
+    ctx.strokeStyle = color("halo");
     ctx.lineWidth = 5;
     stroke(ctx, view, path);
     ctx.setLineDash([7, 6]);
-    ctx.strokeStyle = color;
+    ctx.strokeStyle = own;
     ctx.lineWidth = 2.5;
     stroke(ctx, view, path);
     ctx.setLineDash([]);
   }
   if (!robot.goal_m) return;
   const [x, y] = [view.toX(robot.goal_m[0]), view.toY(robot.goal_m[1])];
-  for (const [style, width] of /** @type {const} */ ([[HALO, 6], [color, 2.5]])) {
+  for (const [style, width] of /** @type {const} */ ([[color("halo"), 6], [own, 2.5]])) {
     ctx.strokeStyle = style;
     ctx.lineWidth = width;
     ctx.beginPath();
@@ -149,7 +156,7 @@ function drawDoubtedTags(ctx, drawn, radius) {
   for (const { x, y } of drawn) diamond(ctx, x, y, radius);
   ctx.lineWidth = 4;
   ctx.stroke();
-  ctx.strokeStyle = DOUBTED;
+  ctx.strokeStyle = color("doubted");
   ctx.lineWidth = 1.5;
   ctx.setLineDash([3, 2]);
   ctx.stroke();
@@ -190,8 +197,8 @@ function drawTags(ctx, view, store) {
     drawn.push({ tag, x, y });
     if (isClose && store.layers.uncertainty) drawTagEllipse(ctx, view, x, y, tag.covariance);
   }
-  ctx.fillStyle = TAG;
-  ctx.strokeStyle = HALO;
+  ctx.fillStyle = color("tag");
+  ctx.strokeStyle = color("halo");
   ctx.lineWidth = 2;
   ctx.beginPath();
   for (const { tag, x, y } of drawn) if (!isDoubted(tag)) diamond(ctx, x, y, radius);
@@ -202,7 +209,7 @@ function drawTags(ctx, view, store) {
   if (!isClose) return;
   const alerted = new Set(store.layers.sensors ? [...store.alerts.values()].map((alert) => alert.tag_id ?? "") : []);
   const named = drawn.filter(({ tag }) => !alerted.has(tag.tag_id)); // an alert's mark has the name already
-  drawTagLabels(ctx, named, radius, store.layers.sensors ? store.nodes : null);
+  drawTagLabels(ctx, view, named, radius, store.layers.sensors ? store.nodes : null);
 }
 
 /**
@@ -215,13 +222,15 @@ function drawTags(ctx, view, store) {
 function drawTagEllipse(ctx, view, x, y, covariance) {
   const { major_m, minor_m, angle_rad } = ellipse(covariance);
   if (major_m * view.scale < 6) return;
-  ctx.fillStyle = "rgba(255, 243, 196, 0.08)";
-  ctx.strokeStyle = "rgba(255, 243, 196, 0.35)";
+  ctx.fillStyle = ctx.strokeStyle = color("tag");
   ctx.lineWidth = 1;
   ctx.beginPath();
   ctx.ellipse(x, y, major_m * view.scale, minor_m * view.scale, -angle_rad, 0, 2 * Math.PI);
+  ctx.globalAlpha = 0.08;
   ctx.fill();
+  ctx.globalAlpha = 0.4;
   ctx.stroke();
+  ctx.globalAlpha = 1;
 }
 
 /**
@@ -230,12 +239,15 @@ function drawTagEllipse(ctx, view, x, y, covariance) {
  */
 function drawSelected(ctx, place) {
   if (!place) return;
-  ctx.strokeStyle = TAG;
+  ctx.strokeStyle = color("tag");
   ctx.lineWidth = 2;
   ctx.beginPath();
   ctx.arc(place.x, place.y, 11, 0, 2 * Math.PI);
   ctx.stroke();
 }
+
+/** @param {number | null | undefined} perMin degrees */
+const arrow = (perMin) => (perMin == null || Math.abs(perMin) < 0.5 ? "" : perMin > 0 ? "↑" : "↓");
 
 /**
  * @param {import("./types.js").Tag} tag
@@ -243,28 +255,29 @@ function drawSelected(ctx, place) {
  */
 function labelOf(tag, node) {
   const id = isDoubted(tag) ? `${tag.tag_id} ${tag.state}` : tag.tag_id;
-  return node?.temperature_c == null ? id : `${id} ${Math.round(node.temperature_c)}°`;
+  return node?.temperature_c == null ? id : `${id} ${Math.round(node.temperature_c)}°${arrow(node.temperature_c_per_min)}`;
 }
 
 /**
  * Ids beside their tags, leaving out those that would cover an earlier one.
  * @param {CanvasRenderingContext2D} ctx
+ * @param {View} view
  * @param {{tag: import("./types.js").Tag, x: number, y: number}[]} drawn
  * @param {number} radius
  * @param {Map<string, import("./types.js").Node> | null} sensors
  */
-function drawTagLabels(ctx, drawn, radius, sensors) {
-  ctx.font = "600 11px ui-monospace, SFMono-Regular, Menlo, Consolas, monospace";
+function drawTagLabels(ctx, view, drawn, radius, sensors) {
+  ctx.font = `600 ${Math.round(11 * view.text)}px ui-monospace, SFMono-Regular, Menlo, Consolas, monospace`;
   ctx.textBaseline = "middle";
   ctx.lineWidth = 3;
-  ctx.strokeStyle = HALO;
-  ctx.fillStyle = "#e9dfb8";
+  ctx.strokeStyle = color("halo");
+  ctx.fillStyle = color("tag");
   const placed = /** @type {[number, number, number][]} */ ([]);
   for (const { tag, x, y } of drawn) {
     const left = x + radius + 4;
     const text = labelOf(tag, sensors?.get(tag.tag_id));
     const width = ctx.measureText(text).width;
-    if (placed.some(([l, t, w]) => Math.abs(t - y) < 13 && left < l + w + 6 && l < left + width + 6)) continue;
+    if (placed.some(([l, t, w]) => Math.abs(t - y) < 13 * view.text && left < l + w + 6 && l < left + width + 6)) continue;
     placed.push([left, y, width]);
     ctx.strokeText(text, left, y);
     ctx.fillText(text, left, y);

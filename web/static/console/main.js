@@ -1,18 +1,26 @@
 /** The console: which mission, its stream, and the parts of the page that show it. */
 
 import { learnWho } from "./account.js";
-import { ApiError, request } from "./api.js";
+import { ApiError, refusal, request } from "./api.js";
 import { AlertList, TagCard } from "./alerts.js";
 import { attachDivider } from "./divider.js";
 import { EventFeed } from "./events.js";
+import { HelpSheet, openHelp, pressed } from "./keys.js";
+import { closeMenus } from "./look_menu.js";
+import { toggleMeasure } from "./measure.js";
 import { isOpen } from "./node_sensors.js";
+import { PhotoViewer } from "./photos.js";
 import { Plan } from "./plan.js";
 import { RobotList } from "./robot_list.js";
+import { orderByKey } from "./robot_orders.js";
 import { Scene } from "./scene.js";
 import { PlanTools } from "./stage.js";
+import { Sounds } from "./sound.js";
 import { StopControl } from "./stop_control.js";
 import { Store } from "./store.js";
 import { Stream } from "./stream.js";
+import { PastBanner, TimeBar, timeKeys } from "./time_bar.js";
+import { TimeMarks } from "./time_marks.js";
 import { Banners, TopBar, Veil } from "./top_bar.js";
 import { html, render } from "./vendor.js";
 import { inboxKey, standing, VictimInbox } from "./victims.js";
@@ -26,19 +34,21 @@ const element = (id) => /** @type {HTMLElement} */ (document.getElementById(id))
 
 const store = new Store();
 const stops = new StopControl(store);
+const sounds = new Sounds(store);
+const marks = new TimeMarks(store);
 const plan = new Plan(element("plan"), store);
 new Scene(element("scene-pane"), store);
 attachDivider(element("divider"), element("stage"), store);
 /** @type {Stream | null} */
 let stream = null;
 
-/** @param {"robot" | "victim" | "tag"} kind */
+/** @param {"robot" | "victim" | "tag" | "note"} kind */
 const select = (kind) => (/** @type {string} */ id) => {
   store.select({ kind, id });
   plan.centreOnSelected();
 };
 
-/** @param {{kind: "robot" | "victim" | "tag", id: string}} subject */
+/** @param {import("./store.js").Selected} subject */
 const show = ({ kind, id }) => select(kind)(id);
 
 /** @param {string} missionId */
@@ -46,6 +56,8 @@ function openMission(missionId) {
   if (missionId === store.missionId) return;
   stream?.close();
   store.best.clear();
+  store.past.clear(missionId);
+  marks.open(missionId);
   store.clearBoard();
   store.missionId = missionId;
   store.exploredM2 = 0;
@@ -114,24 +126,30 @@ function Notices() {
 let announced = "";
 
 function renderPanels() {
+  document.getElementById("boot")?.remove();
+  sounds.update();
   const { state } = store.connection;
   document.body.dataset.tab = store.tab;
   document.body.dataset.view = store.view;
+  document.body.dataset.time = store.past.at_s === null ? "live" : "past";
   document.body.dataset.map = store.best.isShown ? "best" : "live";
   document.body.dataset.connection = state;
   document.title = `${state === "stale" ? "STALE · " : ""}${store.mission?.name ?? "Waymark"} · Waymark`;
   render(html`<${TopBar} store=${store} stops=${stops} onMission=${openMission} onView=${setView} />`, element("top"));
-  render(html`<${Banners} store=${store} stops=${stops} />`, element("banner"));
+  render(html`<${PastBanner} store=${store} /><${Banners} store=${store} stops=${stops} />`, element("banner"));
   render(html`<${RobotList} store=${store} stops=${stops} onSelect=${select("robot")} />`, element("robots"));
   render(html`
     <section id="alerts" aria-label="Alerts"><${AlertList} store=${store} onSelect=${show} /></section>
     <section id="victims" aria-label="Victims"><${VictimInbox} store=${store} onSelect=${select("victim")} /></section>
     <section id="events" aria-label="Events"><${EventFeed} store=${store} onSelect=${select("robot")} /></section>`,
     element("reports"));
-  render(html`<${PlanTools} store=${store} plan=${plan} /><${TagCard} store=${store} />`, element("plan-tools"));
+  render(html`<${PlanTools} store=${store} plan=${plan} onSelect=${show} /><${TagCard} store=${store} />`, element("plan-tools"));
   render(html`<${Veil} store=${store} onRetry=${() => stream?.retry()} />`, element("veil"));
+  render(html`<${TimeBar} store=${store} marks=${marks} />`, element("time"));
   render(html`<${Tabs} />`, element("tabs"));
   render(html`<${Notices} />`, element("notices"));
+  render(store.photo && store.photos.has(store.photo) ? html`<${PhotoViewer} store=${store} />` : null, element("viewer"));
+  render(html`<${HelpSheet} shortCuts=${SHORT_CUTS} />`, element("sheets"));
   if (state !== announced) {
     announced = state;
     element("announcer").textContent = { live: "Connected, live", stale: "Data is stale", reconnecting: "Reconnecting" }[
@@ -150,16 +168,45 @@ store.subscribe(() => {
   }, Math.max(0, renderedAt + SHORTEST_RENDER_MS - performance.now()));
 });
 
-addEventListener("keydown", (event) => {
-  const target = /** @type {HTMLElement} */ (event.target);
-  if (event.ctrlKey || event.metaKey || event.altKey || /^(INPUT|SELECT|TEXTAREA)$/.test(target.tagName)) return;
-  if (event.key === "f") plan.fit();
-  else if (event.key === "b") store.best.isShown ? store.best.showLive() : store.best.show();
-  else if (event.key === "Escape") store.select(null);
-  else inboxKey(store, event.key, select("victim"));
-});
+/** @param {string} key */
+const judge = (key) => inboxKey(store, key, select("victim"));
 
-setInterval(() => store.changed(), TICK_MS);
+/** What is asked for first, then what is selected. */
+function leave() {
+  if (store.picking || store.draft || store.measured) store.picking = store.draft = store.measured = null;
+  else store.selected = null;
+  store.changed();
+}
+
+/** @type {import("./keys.js").ShortCut[]} */
+const SHORT_CUTS = [
+  { keys: "?", words: "This sheet", act: openHelp },
+  { keys: "/", words: "Find a robot, tag, victim or note", act: () => element("search").focus() },
+  { keys: "f", words: "Show the whole mission", act: () => plan.fit() },
+  { keys: "g", words: "Go along with the selected robot", act: () => plan.follow() },
+  { keys: "m", words: "Measure", act: () => toggleMeasure(store) },
+  { keys: "b", words: "Live or best map", act: () => (store.best.isShown ? store.best.showLive() : store.best.show()) },
+  { keys: "1 2 3 4 5 6 7 8 9", words: "Select a robot, in the order of the list", act: (key) => {
+    const robot = store.robotList()[Number(key) - 1];
+    if (robot) select("robot")(robot.robot_id);
+  } },
+  { keys: "t h o p d", words: "The selected robot: return, hold or resume, go to, explore here, drop a tag",
+    act: (key) => orderByKey(store, key) },
+  { keys: "j k", words: "The next victim, the one before", act: judge },
+  { keys: "c r e x", words: "The selected victim: confirmed, reached, extricated, dismissed", act: judge },
+  ...timeKeys(store, marks),
+  { keys: "Escape", words: "Leave what is open or selected", act: leave },
+];
+addEventListener("keydown", (event) => pressed(event, SHORT_CUTS));
+
+addEventListener("look", () => store.changed());
+closeMenus();
+addEventListener("error", () => store.notify("This page has a fault and may not show everything. Reload it; the mission goes on."));
+setInterval(() => {
+  store.past.refresh();
+  store.changed();
+}, TICK_MS);
+refusal.of = () => (store.past.at_s === null ? "" : "You look at the past. Go back to live first.");
 renderPanels();
 learnWho(store);
 watchMissions();

@@ -1,5 +1,6 @@
 /** Live or best map: the switch at the plan, and words on how old the best map is, or why there is none. */
 
+import { color } from "../theme.js";
 import { robotColor } from "./color.js";
 import { age, metres } from "./format.js";
 import { html } from "./vendor.js";
@@ -8,12 +9,10 @@ import { html } from "./vendor.js";
 /** @import {Store} from "./store.js" */
 /** @import {View} from "./canvas_layer.js" */
 
-const HALO = "rgba(7, 11, 17, 0.85)";
-
 /** @param {{store: Store}} props */
 export function MapSwitch({ store }) {
   const { best } = store;
-  if (!store.mission) return null;
+  if (!store.mission || store.past.board) return null;
   return html`
     <div class="map-switch" role="group" aria-label="Which map">
       <button type="button" aria-pressed=${!best.isShown} onClick=${() => best.showLive()}
@@ -103,23 +102,23 @@ export const drawEnds = (store) =>
    */
   (ctx, view) => {
     if (!store.best.isShown || !store.layers.trails) return;
-    ctx.font = "600 13px system-ui, sans-serif";
+    ctx.font = `600 ${Math.round(13 * view.text)}px system-ui, sans-serif`;
     ctx.textBaseline = "middle";
     for (const robot of store.best.content?.robots ?? []) {
       if (!robot.located) continue;
       const [x, y] = [view.toX(robot.x_m), view.toY(robot.y_m)];
-      const color = robotColor(robot.robot_id);
+      const own = robotColor(robot.robot_id);
       ctx.beginPath();
       ctx.arc(x, y, 6, 0, 2 * Math.PI);
-      for (const [style, width] of /** @type {const} */ ([[HALO, 5], [color, 2.5]])) {
+      for (const [style, width] of /** @type {const} */ ([[color("halo"), 5], [own, 2.5]])) {
         ctx.strokeStyle = style;
         ctx.lineWidth = width;
         ctx.stroke();
       }
-      ctx.strokeStyle = HALO;
+      ctx.strokeStyle = color("halo");
       ctx.lineWidth = 4;
       ctx.strokeText(robot.robot_id, x + 12, y);
-      ctx.fillStyle = color;
+      ctx.fillStyle = own;
       ctx.fillText(robot.robot_id, x + 12, y);
     }
   };

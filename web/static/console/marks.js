@@ -1,8 +1,9 @@
 /** Robots, victims, alerts and notes on the plan: real elements, so that they can be clicked, focused and read out. */
 
-import { robotColor } from "./color.js";
+import { robotStyle } from "./color.js";
 import { ellipse, percent } from "./format.js";
 import { alarming, ALERT_KINDS, alertByTag, isOpen } from "./node_sensors.js";
+import { openPhoto, placedPhotos } from "./photos.js";
 import { L } from "./vendor.js";
 import { NOTE_KINDS, placeOf } from "./notes.js";
 import { statusOf } from "./victim_status.js";
@@ -47,6 +48,9 @@ export class Marks {
     if (store.layers.notes) {
       for (const [id, annotation] of store.annotations) wanted.add(this.#note(id, annotation));
     }
+    if (store.layers.photos) {
+      for (const [key, group] of placedPhotos(store)) wanted.add(this.#photos(key, group));
+    }
     for (const [key, mark] of this.marks) {
       if (wanted.has(key)) continue;
       mark.marker.remove();
@@ -69,7 +73,7 @@ export class Marks {
     const mark = this.marks.get(key) ?? this.#add(key, "robot", robotShape(robot.robot_id), () =>
       this.onSelect({ kind: "robot", id: robot.robot_id }));
     const { link } = this.store.linkOf(robot);
-    mark.root.style.setProperty("--robot", robotColor(robot.robot_id));
+    mark.root.style.setProperty("--robot", robotStyle(robot.robot_id));
     mark.root.dataset.link = link;
     mark.root.dataset.robot = robot.robot_id;
     mark.root.classList.toggle("stopped", robot.stopped);
@@ -96,7 +100,7 @@ export class Marks {
     mark.root.classList.toggle(
       "selected", this.store.selected?.kind === "victim" && this.store.selected.id === victim.victim_id);
     mark.root.setAttribute(
-      "aria-label", `Victim ${victim.victim_id}, ${status.label}, confidence ${percent(victim.confidence)}`);
+      "aria-label", `Victim ${mark.parts.name.textContent} sure, ${status.label}`);
     shapeEllipse(mark.parts.sigma, victim.covariance, 2 ** this.map.getZoom(), this.store.layers.uncertainty);
     this.#moveTo(mark, [victim.x_m, victim.y_m, 0]);
     return key;
@@ -115,7 +119,7 @@ export class Marks {
     mark.root.classList.toggle("noted", !isOpen(alert));
     mark.parts.glyph.textContent = ALERT_KINDS[alert.kind]?.glyph ?? "!";
     mark.parts.name.textContent = `${tagId} · ${alarming(alert, this.store.nodes.get(tagId))}`;
-    mark.root.setAttribute("aria-label", alert.text);
+    mark.root.setAttribute("aria-label", `${mark.parts.name.textContent}: ${alert.text}`);
     this.#moveTo(mark, [tag.x_m, tag.y_m, 0]);
     return key;
   }
@@ -136,6 +140,22 @@ export class Marks {
     mark.parts.name.textContent = annotation.text || annotation.kind;
     mark.parts.glyph.textContent = NOTE_KINDS[annotation.kind]?.glyph ?? "i";
     mark.root.setAttribute("aria-label", `${annotation.kind}: ${annotation.text}`);
+    this.#moveTo(mark, [x_m, y_m, 0]);
+    return key;
+  }
+
+  /**
+   * @param {string} subject
+   * @param {{photos: import("./types.js").Photo[], x_m: number | null | undefined, y_m: number | null | undefined}} group
+   */
+  #photos(subject, { photos, x_m, y_m }) {
+    if (x_m == null || y_m == null) return null;
+    const key = `photo/${subject}`;
+    const mark = this.marks.get(key) ?? this.#add(key, "photo-mark", noteShape(), () =>
+      openPhoto(this.store, mark.root.dataset.photo ?? null));
+    mark.root.dataset.photo = photos[0].photo_id;
+    mark.parts.glyph.textContent = photos.length > 1 ? `▣ ${photos.length}` : "▣";
+    mark.root.setAttribute("aria-label", photos.length > 1 ? `${photos.length} photos` : `Photo: ${photos[0].text || subject}`);
     this.#moveTo(mark, [x_m, y_m, 0]);
     return key;
   }
@@ -262,9 +282,11 @@ function robotShape(robotId) {
 }
 
 function victimShape() {
-  return { sigma: span("sigma"), glyph: span("glyph"), name: span("name") };
+  return { sigma: span("sigma"), ...noteShape() };
 }
 
 function noteShape() {
-  return { glyph: span("glyph"), name: span("name") };
+  const glyph = span("glyph");
+  glyph.ariaHidden = "true";
+  return { glyph, name: span("name") };
 }

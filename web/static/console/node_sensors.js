@@ -43,12 +43,18 @@ export function alertByTag(store) {
   return new Map(alertsOf(store).reverse().flatMap((alert) => (alert.tag_id ? [[alert.tag_id, alert]] : [])));
 }
 
+/** How a reading goes, in short. @param {number | null | undefined} perMin @param {number} still less than that is no change */
+export function going(perMin, still) {
+  if (perMin == null) return "";
+  return Math.abs(perMin) < still ? ", steady" : ` ${perMin > 0 ? "↑" : "↓"} ${fixed(Math.abs(perMin), 1)}/min`;
+}
+
 /** @param {Node} node */
 export function readings(node) {
   const tilt_deg = node.tilt_rad == null ? null : (180 * node.tilt_rad) / Math.PI;
   return [
-    ["Temperature", node.temperature_c == null ? "" : `${fixed(node.temperature_c, 1)} °C`],
-    ["Pressure", node.pressure_hpa == null ? "" : `${fixed(node.pressure_hpa, 1)} hPa`],
+    ["Temperature", node.temperature_c == null ? "" : `${fixed(node.temperature_c, 1)} °C${going(node.temperature_c_per_min, 0.1)}`],
+    ["Pressure", node.pressure_hpa == null ? "" : `${fixed(node.pressure_hpa, 1)} hPa${going(node.pressure_hpa_per_min, 0.05)}`],
     ["Leans by", tilt_deg == null ? "" : `${fixed(tilt_deg, 0)}°`],
   ].filter(([, value]) => value);
 }

@@ -1,7 +1,9 @@
 /** What people write on the map: hazards, notes, searched ground, victims; at a point, at a tag, or over an area. */
 
+import { color } from "../theme.js";
 import { missionPath, request } from "./api.js";
 import { timeOfDay } from "./format.js";
+import { Photos } from "./photos.js";
 import { html } from "./vendor.js";
 
 /** @import {Annotation, Tag} from "./types.js" */
@@ -9,12 +11,12 @@ import { html } from "./vendor.js";
 /** @import {View} from "./canvas_layer.js" */
 /** @typedef {{kind: string, text: string, isArea: boolean, corners: [number, number][]}} Draft */
 
-/** @type {Record<string, {label: string, glyph: string, fill: string}>} */
+/** @type {Record<string, {label: string, glyph: string, color: string}>} */
 export const NOTE_KINDS = {
-  hazard: { label: "Hazard", glyph: "!", fill: "255, 190, 77" },
-  note: { label: "Note", glyph: "i", fill: "207, 218, 232" },
-  searched: { label: "Searched", glyph: "✓", fill: "69, 214, 160" },
-  victim: { label: "Victim", glyph: "+", fill: "255, 90, 95" },
+  hazard: { label: "Hazard", glyph: "!", color: "warn" },
+  note: { label: "Note", glyph: "i", color: "note" },
+  searched: { label: "Searched", glyph: "✓", color: "cleared" },
+  victim: { label: "Victim", glyph: "+", color: "danger" },
 };
 
 /** Where a note stands: its point, its tag, or the middle of its area. @param {Annotation} note @param {Tag | undefined} tag */
@@ -63,7 +65,7 @@ export function NoteTool({ store }) {
     if (store.picking?.kind === "note") store.picking = null;
     store.changed();
   };
-  return html`<button type="button" class="tool" aria-expanded=${draft !== null} disabled=${!store.mission}
+  return html`<button type="button" class="tool" aria-expanded=${draft !== null} disabled=${!store.mission || store.isOver}
       onClick=${open}>Note</button>
     ${draft && html`<${DraftForm} store=${store} draft=${draft} />`}`;
 }
@@ -117,7 +119,8 @@ export function NoteCard({ store }) {
       <button type="button" aria-label="Close" onClick=${() => store.select(null)}>×</button></header>
     ${note.text && html`<p>${note.text}</p>`}
     <p class="hint-line">By ${note.by} at ${timeOfDay(note.changed_unix_s)}${note.tag_id && `, at tag ${note.tag_id}`}.</p>
-    <button type="button" onClick=${remove}>Remove</button></section>`;
+    <${Photos} store=${store} of=${{ annotation_id: id }} />
+    ${!store.isOver && html`<button type="button" onClick=${remove}>Remove</button>`}</section>`;
 }
 
 /**
@@ -131,16 +134,17 @@ export function drawAreas(ctx, view, store) {
   if (store.draft?.isArea) drawn.push(store.draft);
   for (const { kind, corners } of drawn) {
     if (!corners.length) continue;
-    const { fill } = NOTE_KINDS[kind] ?? NOTE_KINDS.note;
+    ctx.fillStyle = ctx.strokeStyle = color((NOTE_KINDS[kind] ?? NOTE_KINDS.note).color);
     ctx.beginPath();
     corners.forEach(([x_m, y_m], k) => ctx[k ? "lineTo" : "moveTo"](view.toX(x_m), view.toY(y_m)));
     ctx.closePath();
-    ctx.fillStyle = `rgba(${fill}, 0.16)`;
+    ctx.globalAlpha = 0.16;
     ctx.fill();
-    ctx.strokeStyle = `rgba(${fill}, 0.9)`;
+    ctx.globalAlpha = 0.9;
     ctx.lineWidth = 1.5;
     ctx.setLineDash([6, 4]);
     ctx.stroke();
     ctx.setLineDash([]);
+    ctx.globalAlpha = 1;
   }
 }

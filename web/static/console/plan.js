@@ -2,16 +2,18 @@
 
 import { Building } from "./building.js";
 import { canvasLayer } from "./canvas_layer.js";
+import { GroundLayers } from "./ground.js";
 import { drawGround, drawInk } from "./ink.js";
 import { Marks } from "./marks.js";
 import { drawEnds } from "./map_switch.js";
-import { addCorner } from "./notes.js";
+import { addPoint } from "./measure.js";
+import { addCorner, placeOf } from "./notes.js";
 import { pickPlace } from "./robot_orders.js";
 import { L } from "./vendor.js";
 
 /** @import {Store} from "./store.js" */
 
-const PANES = { ground: 150, building: 200, ink: 420, reports: 610, robots: 620 };
+const PANES = { ground: 150, base: 190, building: 200, layers: 210, ink: 420, reports: 610, robots: 620 };
 const POINT_PX = 12;
 const CLICK_PX = 18; // a finger is no pointer
 const CLOSE_ZOOM = 5.2; // about 37 pixels a metre: a room fills the view
@@ -47,16 +49,29 @@ export class Plan {
     for (const [name, zIndex] of Object.entries(PANES)) {
       const pane = this.map.createPane(name);
       pane.style.zIndex = String(zIndex);
-      if (name === "ground" || name === "ink") pane.style.pointerEvents = "none";
+      if (["ground", "layers", "ink"].includes(name)) pane.style.pointerEvents = "none";
     }
     this.ground = canvasLayer("ground", drawGround(store)).addTo(this.map);
+    this.layers = new GroundLayers(this.map, store);
+    this.told = canvasLayer("layers", (ctx, view) => this.layers.draw(ctx, view)).addTo(this.map);
     this.ink = canvasLayer("ink", drawInk(store)).addTo(this.map);
     this.ends = canvasLayer("ink", drawEnds(store)).addTo(this.map);
     this.building = new Building(this.map, store, {
-      of: () => store.map,
-      isShown: () => !store.best.isShown,
+      of: () => store.live.map,
+      isShown: () => !store.best.isShown && !store.past.board,
       onFree: (free_m2) => (store.exploredM2 = free_m2),
     });
+    this.base = new Building(this.map, store, {
+      of: () => store.board.baseMap,
+      isShown: () => true,
+      layer: "base",
+      pane: "base",
+    }, 0);
+    this.past = new Building(this.map, store, {
+      of: () => store.past.board?.map ?? null,
+      isShown: () => store.past.board !== null,
+      onFree: () => {},
+    }, 0);
     this.best = new Building(this.map, store, {
       of: () => store.best.content?.map ?? null,
       isShown: () => store.best.isShown,
@@ -68,10 +83,14 @@ export class Plan {
     this.map.on("zoom move", () => store.changed());
     this.map.on("mousemove", (event) => this.#point(event.latlng));
     this.map.on("click", (event) => {
-      if (pickPlace(store, { x_m: event.latlng.lng, y_m: event.latlng.lat })) return;
-      if (addCorner(store, [event.latlng.lng, event.latlng.lat])) return;
+      if (this.#take(event.latlng)) return;
       const id = this.#tagAt(event.latlng, CLICK_PX);
       if (id) store.select({ kind: "tag", id });
+    });
+    root.addEventListener("pointerdown", () => root.classList.remove("by-keys"), { capture: true });
+    root.addEventListener("keydown", (event) => {
+      root.classList.add("by-keys");
+      if (event.target === root && event.key === "Enter") this.#take(this.map.getCenter());
     });
     this.map.on("mouseout", () => {
       this.cursor = null;
@@ -82,15 +101,36 @@ export class Plan {
   }
 
   update() {
-    this.map.getContainer().classList.toggle("picking", this.store.picking !== null || this.store.draft?.isArea === true);
+    this.map.getContainer().classList.toggle("picking", this.isAsking());
+    this.base.update();
     this.building.update();
     this.best.update();
+    this.layers.update();
+    this.told.refresh();
+    this.past.update();
     this.marks.update();
     this.ground.refresh();
     this.ink.refresh();
     this.ends.refresh();
     if (this.mode === "fit") this.#fit();
     if (this.mode === "follow") this.#follow();
+  }
+
+  /** Whether the next click on the plan is a place that somebody asks for. */
+  isAsking() {
+    const { picking, draft, measured } = this.store;
+    return picking !== null || draft?.isArea === true || measured !== null;
+  }
+
+  /** The place for whatever asks for one; false when nothing does. @param {import("leaflet").LatLng} place */
+  #take({ lng: x_m, lat: y_m }) {
+    return pickPlace(this.store, { x_m, y_m }) || addCorner(this.store, [x_m, y_m]) || addPoint(this.store, [x_m, y_m]);
+  }
+
+  /** The middle of what is seen. */
+  middle() {
+    const { lng: x_m, lat: y_m } = this.map.getCenter();
+    return { x_m, y_m };
   }
 
   /** Show the whole mission, and go on doing so while it grows. */
@@ -112,16 +152,25 @@ export class Plan {
     this.map.setZoom(this.map.getZoom() + steps * 0.75);
   }
 
-  /** Put the selected robot, victim or tag into the middle of the view. */
-  centreOnSelected() {
-    const { selected, best, robots, shown } = this.store;
+  /** @returns {[number, number] | undefined} where the selected thing is, x and y in metres */
+  #selectedAt() {
+    const { selected, best, robots, shown, annotations } = this.store;
+    const id = selected?.id ?? "";
+    const note = selected?.kind === "note" && annotations.get(id);
+    if (note) return /** @type {[number, number]} */ (placeOf(note, shown.tags.get(note.tag_id ?? "")));
     const ends = new Map(best.content?.robots.map((robot) => [robot.robot_id, robot]));
     const thing = selected?.kind === "robot"
-      ? (best.isShown ? ends : robots).get(selected.id)
-      : (selected?.kind === "tag" ? shown.tags : shown.victims).get(selected?.id ?? "");
-    if (!thing) return;
+      ? (best.isShown ? ends : robots).get(id)
+      : (selected?.kind === "tag" ? shown.tags : shown.victims).get(id);
+    return thing && [thing.x_m, thing.y_m];
+  }
+
+  /** Put what is selected into the middle of the view. */
+  centreOnSelected() {
+    const place = this.#selectedAt();
+    if (!place?.every(Number.isFinite)) return;
     if (this.mode === "fit") this.#setMode("free");
-    this.map.setView([thing.y_m, thing.x_m], Math.max(this.map.getZoom(), CLOSE_ZOOM - 0.7), { animate: false });
+    this.map.setView([place[1], place[0]], Math.max(this.map.getZoom(), CLOSE_ZOOM - 0.7), { animate: false });
   }
 
   /** Pixels per metre. */
@@ -137,7 +186,8 @@ export class Plan {
   }
 
   #fit() {
-    const { map: info, robots, victims } = this.store.shown;
+    // In the past too the whole building as it is known by now: what is looked at stays where it is.
+    const { map: info, robots, victims } = this.store.past.board ? this.store.live : this.store.shown;
     const bounds = L.latLngBounds([]);
     if (info) {
       const [x_m, y_m] = info.origin_m;

@@ -1,9 +1,9 @@
 /** The robots' cards: what each is doing and why, how well it is, and its STOP. */
 
-import { robotColor } from "./color.js";
+import { robotStyle } from "./color.js";
 import { age, ellipse, fixed, metres, percent } from "./format.js";
 import { HoldButton } from "./hold_button.js";
-import { RobotOrders, shareOf } from "./robot_orders.js";
+import { Pending, RobotOrders, shareOf } from "./robot_orders.js";
 import { html } from "./vendor.js";
 
 /** @import {Robot} from "./types.js" */
@@ -45,13 +45,13 @@ function RobotCard({ robot, store, stops, isCompact, onSelect }) {
   const id = robot.robot_id;
   const { link, age_s } = store.linkOf(robot);
   const isSelected = store.isSelectedRobot(id);
-  const stop = stops.stateOf(robot);
+  const stop = stops.stateOf(store.live.robots.get(id) ?? robot); // STOP is for now, whatever is looked at
   const battery = robot.battery;
   const isLow = battery !== null && battery < 0.2;
   const state = html`<${State} robot=${robot} isLost=${link === "lost"} isCompact=${isCompact} />`;
   return html`
     <li class=${`card robot-card ${isSelected ? "selected" : ""}`} data-robot=${id} data-link=${link}
-        data-stop=${stop} style=${{ "--robot": robotColor(id) }}>
+        data-stop=${stop} style=${{ "--robot": robotStyle(id) }}>
       <button class="card-body" type="button" aria-pressed=${isSelected} onClick=${() => onSelect(id)}
               title=${`Show ${id} in the middle of the plan`}>
         <span class="card-head">
@@ -66,6 +66,7 @@ function RobotCard({ robot, store, stops, isCompact, onSelect }) {
         </span>
         ${!isCompact && state}
         <span class="reason">${robot.reason || "No reason given."}</span>
+        ${!isSelected && html`<${Pending} store=${store} robotId=${id} />`}
         <span class="figures">
           <${Figure} label="Battery" value=${percent(battery)} warn=${isLow}>
             ${battery !== null && html`<span class="gauge" aria-hidden="true">
@@ -86,7 +87,7 @@ function RobotCard({ robot, store, stops, isCompact, onSelect }) {
           : html`<div class=${`stop-state stop-${stop}`} role="status">${STOP_WORDS[stop]}</div>`}
       </div>
       ${isSelected && html`<${RobotOrders} robot=${robot} store=${store} />`}
-      ${robot.stopped && html`
+      ${robot.stopped && !store.past.board && html`
         <div class="card-foot">
           <span>${link === "live" ? "Stands still by order." : "Takes effect when it is heard again."}</span>
           <${ResumeButton} stops=${stops} robotId=${id} />

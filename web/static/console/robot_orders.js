@@ -86,12 +86,23 @@ export function shareOf(robot, store) {
   return store.exploredM2 > 0 ? Math.min(1, robot.explored_m2 / store.exploredM2) : 0;
 }
 
+/** Whether the latest order keeps the robot from exploring. @param {Order | undefined} latest */
+const holds = (latest) => latest !== undefined && ["return", "hold", "go_to"].includes(latest.kind) && latest.state !== "failed";
+
+/** The keys T, H, O, P and D: an order to the selected robot. @param {Store} store @param {string} key */
+export function orderByKey(store, key) {
+  const id = store.selected?.kind === "robot" ? store.selected.id : null;
+  if (!id) return;
+  if (key === "o" || key === "p") pick(store, id, key === "o" ? "go_to" : "explore_here");
+  else if (key === "h") order(store, id, holds(store.orders.get(id)?.orders[0]) ? "resume" : "hold");
+  else order(store, id, key === "t" ? "return" : "drop_tag");
+}
+
 /** On the selected robot's card. @param {{robot: Robot, store: Store}} props */
 export function RobotOrders({ robot, store }) {
   learnMethods(store);
   const id = robot.robot_id;
   const latest = store.orders.get(id)?.orders[0];
-  const isHeld = latest !== undefined && ["return", "hold", "go_to"].includes(latest.kind) && latest.state !== "failed";
   /** @param {string} kind @param {string} label */
   const button = (kind, label) => html`<button type="button" onClick=${() => order(store, id, kind)}>${label}</button>`;
   /** @param {"go_to" | "explore_here"} kind @param {string} label */
@@ -99,9 +110,9 @@ export function RobotOrders({ robot, store }) {
     aria-pressed=${store.picking?.id === id && store.picking.kind === kind}
     onClick=${() => pick(store, id, kind)}>${label}</button>`;
   return html`
-    <div class="robot-orders">
+    <fieldset class="robot-orders" disabled=${store.isOver}>
       <div class="order-buttons" role="group" aria-label=${`Orders to ${id}`}>
-        ${button("return", "Return")}${isHeld ? button("resume", "Resume") : button("hold", "Hold")}
+        ${button("return", "Return")}${holds(latest) ? button("resume", "Resume") : button("hold", "Hold")}
         ${picker("go_to", "Go to…")}${picker("explore_here", "Explore here…")}${button("drop_tag", "Drop tag")}
       </div>
       ${store.picking?.id === id && html`<p class="order-state" role="status">
@@ -110,7 +121,7 @@ export function RobotOrders({ robot, store }) {
         percent(shareOf(robot, store))} of what the team has explored.</p>
       ${methods && html`<${Strategy} robot=${robot} store=${store} known=${methods} />`}
       ${latest && html`<${Latest} order=${latest} />`}
-    </div>`;
+    </fieldset>`;
 }
 
 /** @param {{robot: Robot, store: Store, known: Methods}} props */
@@ -123,9 +134,20 @@ function Strategy({ robot, store, known }) {
     </select></label>`;
 }
 
+/** @param {Order} order */
+const nameOf = (order) =>
+  order.kind === "methods" ? `Explore by ${order.explore || "other methods"}` : ORDERS[order.kind] ?? order.kind;
+
+/** On a card that is not open: an order that waits or is under way. @param {{store: Store, robotId: string}} props */
+export function Pending({ store, robotId }) {
+  const latest = store.orders.get(robotId)?.orders[0];
+  if (!latest || !["issued", "delivered"].includes(latest.state)) return null;
+  return html`<span class="pending">${nameOf(latest)}: ${STATES[latest.state]}</span>`;
+}
+
 /** @param {{order: Order}} props */
 function Latest({ order }) {
-  const what = order.kind === "methods" ? `Explore by ${order.explore || "other methods"}` : ORDERS[order.kind] ?? order.kind;
+  const what = nameOf(order);
   return html`<p class=${`order-state order-${order.state}`} role="status"><b>${what}: ${STATES[order.state]}</b>${
     order.text && html`, ${order.text}`}.</p>`;
 }

@@ -1,5 +1,6 @@
 /** The 3D view: viser's page in a frame, loaded only when it is first asked for. */
 
+import { shownTheme } from "../theme.js";
 import { fetchChecked } from "./api.js";
 
 /** @import {Store} from "./store.js" */
@@ -12,21 +13,26 @@ export class Scene {
   constructor(root, store) {
     this.root = root;
     this.store = store;
-    this.missionId = "";
+    /** Address of what is loaded. */
+    this.shown = "";
     store.subscribe(() => this.update());
   }
 
   /** Load the mission's scene when it should be visible and is not there yet. */
   update() {
     const { missionId, view, connection } = this.store;
-    if (view === "plan" || !missionId || missionId === this.missionId || connection.state !== "live") return;
-    this.missionId = missionId;
-    this.#load(missionId);
+    const address = `/viser/${encodeURIComponent(missionId ?? "")}/${shownTheme()}/`;
+    if (view === "plan" || !missionId || address === this.shown || connection.state !== "live") return;
+    this.shown = address;
+    this.#load(address);
   }
 
-  /** @param {string} missionId */
-  async #load(missionId) {
-    const address = `/viser/${encodeURIComponent(missionId)}/`;
+  /** @param {string} address */
+  async #load(address) {
+    if (!document.createElement("canvas").getContext("webgl2")) {
+      this.#say("No 3D in this browser", "It has no WebGL, or that is turned off. The plan shows the same and works without it.");
+      return;
+    }
     this.#say("Loading the 3D view", "The scene is being fetched.");
     try {
       await fetchChecked(address, { method: "HEAD" });
@@ -35,14 +41,14 @@ export class Scene {
       const again = document.createElement("button");
       again.type = "button";
       again.textContent = "Try again";
-      again.addEventListener("click", () => this.#load(missionId));
+      again.addEventListener("click", () => this.#load(address));
       this.root.firstElementChild?.append(again);
       return;
     }
-    if (missionId !== this.missionId) return;
+    if (address !== this.shown) return;
     const frame = document.createElement("iframe");
     frame.title = "The mission in 3D";
-    frame.src = `${address}?hideViserLogo&darkMode`;
+    frame.src = `${address}?hideViserLogo${shownTheme() === "dark" ? "&darkMode" : ""}`;
     this.root.replaceChildren(frame);
   }
 

@@ -1,29 +1,35 @@
 /** What lies over the plan: tools, layers, scale, cursor, north, and words when there is nothing to show. */
 
+import { northOf, toEarth, toMgrs } from "./earth.js";
 import { fixed } from "./format.js";
+import { GeoreferencePanel } from "./georeference.js";
+import { GroundKey } from "./ground.js";
+import { gridReference } from "./grid_reference.js";
 import { BestWords, MapSwitch } from "./map_switch.js";
+import { MeasureTool } from "./measure.js";
 import { NoteCard, NoteTool } from "./notes.js";
+import { Search } from "./search.js";
 import { LAYERS } from "./store.js";
 import { Component, html } from "./vendor.js";
 
 /** @import {Plan} from "./plan.js" */
-/** @import {Store} from "./store.js" */
+/** @import {Selected, Store} from "./store.js" */
 
 const LONGEST_BAR_PX = 120;
 
-/** @param {{store: Store, plan: Plan}} props */
-export function PlanTools({ store, plan }) {
+/** @param {{store: Store, plan: Plan, onSelect: (selected: Selected) => void}} props */
+export function PlanTools({ store, plan, onSelect }) {
   const hasRobot = store.selected?.kind === "robot" && !store.best.isShown;
   return html`
     <div class="tools tools-left">
+      <${Search} store=${store} onSelect=${onSelect} />
       <${MapSwitch} store=${store} />
       <${LayerMenu} store=${store} />
       <${NoteTool} store=${store} />
+      <${MeasureTool} store=${store} />
     </div>
     <div class="tools tools-right">
-      <svg class="north" viewBox="0 0 48 48" role="img" aria-label="North is to the right">
-        <circle cx="24" cy="24" r="22" /><path class="needle" d="M28 24 10 17 14 24 10 31Z" />
-        <text x="36" y="24.5">N</text></svg>
+      <${North} frame=${store.georeference} />
       <div class="tool-group" role="group" aria-label="Zoom">
         <button type="button" onClick=${() => plan.zoom(1)} aria-label="Zoom in" title="Zoom in (+)">+</button>
         <button type="button" onClick=${() => plan.zoom(-1)} aria-label="Zoom out" title="Zoom out (-)">−</button>
@@ -31,17 +37,41 @@ export function PlanTools({ store, plan }) {
       <button type="button" class="tool" aria-pressed=${plan.mode === "fit"} onClick=${() => plan.fit()}
               title="Show the whole mission (F)">Fit</button>
       ${hasRobot && html`<button type="button" class="tool" aria-pressed=${plan.mode === "follow"}
-              onClick=${() => plan.follow()} title="Keep the selected robot in the middle">Follow</button>`}
+              onClick=${() => plan.follow()} title="Keep the selected robot in the middle (G)">Follow</button>`}
     </div>
+    <${GroundKey} layers=${plan.layers} store=${store} />
     <div class="readout">
       <${ScaleBar} scale=${plan.scale()} />
-      ${plan.cursor && html`<span class="cursor">x ${fixed(plan.cursor.x_m, 2)}  y ${fixed(plan.cursor.y_m, 2)} m
-        ${plan.cursor.tag && html`<b>${plan.cursor.tag}</b>`}</span>`}
+      <${Coordinates} at=${plan.cursor ?? plan.middle()} tag=${plan.cursor?.tag} frame=${store.georeference} />
       ${noticeAt(plan, store) && html`<span class="tag-notice">${noticeAt(plan, store)}</span>`}
     </div>
     <${BestWords} store=${store} />
     <${NoteCard} store=${store} />
-    <${PlanWords} store=${store} />`;
+    <${GeoreferencePanel} store=${store} />
+    ${!store.placing && html`<${PlanWords} store=${store} />`}`;
+}
+
+/** @typedef {import("./earth.js").Georeference | null} Frame */
+
+/** Where north is: to the right until somebody has said where the mission lies. @param {{frame: Frame}} props */
+function North({ frame }) {
+  const turn = northOf(frame);
+  const [x, y] = [24 + 12 * Math.sin((turn * Math.PI) / 180), 24.5 - 12 * Math.cos((turn * Math.PI) / 180)];
+  const where = frame ? `North is ${Math.round(turn)} degrees clockwise from up` : "North is to the right";
+  return html`<svg class="north" viewBox="0 0 48 48" role="img" aria-label=${where}>
+    <circle cx="24" cy="24" r="22" /><path class="needle" d="M28 24 10 17 14 24 10 31Z" transform=${`rotate(${turn - 90} 24 24)`} />
+    <text x=${x} y=${y}>N</text></svg>`;
+}
+
+/**
+ * Where the cursor is; without one, the middle of the plan.
+ * @param {{at: {x_m: number, y_m: number}, tag?: string, frame: Frame}} props
+ */
+function Coordinates({ at, tag, frame }) {
+  const [lat, lon] = frame ? toEarth(frame, at.x_m, at.y_m) : [0, 0];
+  return html`<span class="cursor"><b>${gridReference(at.x_m, at.y_m)}</b>
+  x ${fixed(at.x_m, 2)}  y ${fixed(at.y_m, 2)} m ${tag && html`<b>${tag}</b>`}${
+    frame && html`<br/>${lat.toFixed(6)}, ${lon.toFixed(6)}  <b>${toMgrs(lat, lon)}</b>`}</span>`;
 }
 
 /**

@@ -82,7 +82,7 @@ export class StopControl {
    */
   stateOf(robot) {
     if (robot.stopped) {
-      if (this.store.linkOf(robot).link !== "live") return "ordered"; // the robot itself was not heard since
+      if (this.store.linkOf(robot, this.store.serverNow()).link !== "live") return "ordered"; // the robot itself was not heard since
       return Math.abs(robot.speed_mps ?? 0) > 0.03 ? "braking" : "stopped";
     }
     const pending = this.pending.get(robot.robot_id) ?? this.pending.get(ALL);

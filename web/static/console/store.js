@@ -1,18 +1,26 @@
 /** All that the page knows: the mission's board, the connection, and what the operator has chosen. */
 
 import { BestMap } from "./best_map.js";
+import { BoardState } from "./board_state.js";
+import { Past } from "./past.js";
 
-/** @import {Alert, Annotation, ConnectionState, Evacuation, MapInfo, Mission, MissionEvent, Node} from "./types.js" */
-/** @import {Frontiers, Me, Orders, Person, Robot, Tag, Trail, Victim} from "./types.js" */
+/** @import {ConnectionState, Me, Mission, Robot} from "./types.js" */
 
 const PREFERENCES = "waymark.console";
+const ROLES = ["viewer", "responder", "operator", "commander"];
 const LATE_AFTER_S = 3;
 const LOST_AFTER_S = 10;
 
 /** Layers of the plan: name on screen and whether shown at first. */
 export const LAYERS = /** @type {const} */ ({
   map: ["Building", true],
+  base: ["Base map", true],
+  own: ["Selected robot's own map", false],
+  coverage: ["Coverage: near, cleared", false],
+  radio: ["Radio: where robots were heard", false],
+  memories: ["Ground as tags tell it", false],
   grid: ["Metre grid", true],
+  reference: ["Grid reference", false],
   trails: ["Trails", true],
   tags: ["Tags", true],
   sensors: ["Node sensors", true],
@@ -21,51 +29,22 @@ export const LAYERS = /** @type {const} */ ({
   frontiers: ["Edges of the unknown", true],
   plans: ["Plan of selected robot", true],
   victims: ["Victims", true],
+  responders: ["People at tags", true],
   notes: ["Notes and hazards", true],
+  photos: ["Photos", true],
 });
 
+/** @typedef {{kind: "robot" | "victim" | "tag" | "note", id: string}} Selected */
+
 export class Store {
-  /** @type {Mission | null} */
-  mission = null;
-  /** The order to leave, while it holds. @type {Evacuation | null} */
-  evacuation = null;
-  /** @type {Map<string, Robot>} */
-  robots = new Map();
-  /** @type {Map<string, Trail>} */
-  trails = new Map();
-  /** @type {Map<string, Tag>} */
-  tags = new Map();
-  /** @type {Map<string, Node>} */
-  nodes = new Map();
-  /** @type {Map<string, Alert>} */
-  alerts = new Map();
-  /** @type {Map<string, Victim>} */
-  victims = new Map();
-  /** @type {Map<string, Annotation>} */
-  annotations = new Map();
-  /** @type {Map<string, MissionEvent>} */
-  events = new Map();
-  /** Where each robot could go. @type {Map<string, Frontiers>} */
-  frontiers = new Map();
-  /** The latest orders to each robot. @type {Map<string, Orders>} */
-  orders = new Map();
-  /** Who watches the mission. @type {Map<string, Person>} */
-  people = new Map();
+  /** What the mission shows now. */
+  live = new BoardState();
   /** Who is logged in here; null before that is known. @type {Me | null} */
   me = null;
-  /** @type {[string, string][]} */
-  links = [];
-  /** @type {MapInfo | null} */
-  map = null;
-  /** Kind in a board key -> what has an id of that kind. @type {Record<string, Map<string, any>>} */
-  keyed = {
-    robot: this.robots, trail: this.trails, tag: this.tags, victim: this.victims, annotation: this.annotations,
-    event: this.events, node: this.nodes, alert: this.alerts, person: this.people,
-    frontiers: this.frontiers, orders: this.orders,
-  };
 
   constructor() {
     this.best = new BestMap(this);
+    this.past = new Past(this);
     /** @type {Mission[]} */
     this.missions = [];
     /** @type {string | null} */
@@ -74,16 +53,24 @@ export class Store {
     this.connection = { state: "loading", heardAt: Date.now(), attempt: 0, retryAt: 0, reason: "" };
     /** Difference between the server's clock and ours, in seconds. */
     this.clockOffset_s = 0;
-    /** @type {{kind: "robot" | "victim" | "tag" | "note", id: string} | null} */
+    /** @type {Selected | null} */
     this.selected = null;
     /** @type {Map<number, {text: string, level: "warning" | "alarm"}>} */
     this.notices = new Map();
+    /** The photo that is open. @type {string | null} */
+    this.photo = null;
+    /** What is being said of where the mission lies. @type {import("./georeference.js").Placing | null} */
+    this.placing = null;
+    /** Photos that are being sent. */
+    this.uploads = 0;
     this.exploredM2 = 0;
     /** What the next click on the plan is for: whom it is about, and what is done with the place. */
     /** @type {{id: string, kind: string, then: (place: {x_m: number, y_m: number}) => void} | null} */
     this.picking = null;
     /** What is being written on the map. @type {import("./notes.js").Draft | null} */
     this.draft = null;
+    /** Corners of what is being measured, x and y in metres. @type {[number, number][] | null} */
+    this.measured = null;
     const kept = readPreferences();
     /** @type {Record<string, boolean>} */
     this.layers = Object.fromEntries(
@@ -101,17 +88,37 @@ export class Store {
   }
 
   clearBoard() {
-    for (const map of Object.values(this.keyed)) map.clear();
-    this.mission = null;
-    this.evacuation = null;
-    this.links = [];
-    this.map = null;
+    this.live.clear();
     this.best.take(null);
   }
 
+  /** What the page is about: the mission as it is, or as it was at the moment that is looked at. */
+  get board() {
+    return this.past.board ?? this.live;
+  }
+
+  get mission() { return this.board.mission; }
+  get evacuation() { return this.board.evacuation; }
+  get robots() { return this.board.robots; }
+  get trails() { return this.board.trails; }
+  get tags() { return this.board.tags; }
+  get nodes() { return this.board.nodes; }
+  get alerts() { return this.board.alerts; }
+  get victims() { return this.board.victims; }
+  get annotations() { return this.board.annotations; }
+  get events() { return this.board.events; }
+  get frontiers() { return this.board.frontiers; }
+  get orders() { return this.board.orders; }
+  get people() { return this.board.people; }
+  get georeference() { return this.board.georeference; }
+  get responders() { return this.board.responders; }
+  get photos() { return this.board.photos; }
+  get links() { return this.board.links; }
+  get map() { return this.board.map; }
+
   /** What the plan draws: the board, or the best map in its place. @returns {import("./best_map.js").Layers} */
   get shown() {
-    return this.best.isShown ? this.best.layers() : this;
+    return this.best.isShown ? this.best.layers() : this.board;
   }
 
   /** @param {() => void} listener called after changes, at most once a frame */
@@ -144,21 +151,28 @@ export class Store {
    * @param {any} value null when the key is gone
    */
   #put(key, value) {
-    const slash = key.indexOf("/");
-    const [kind, id] = slash < 0 ? [key, ""] : [key.slice(0, slash), key.slice(slash + 1)];
-    if (Object.hasOwn(this.keyed, kind)) {
-      if (value === null) this.keyed[kind].delete(id);
-      else this.keyed[kind].set(id, value);
-    } else if (kind === "mission") this.mission = value;
-    else if (kind === "evacuation") this.evacuation = value;
-    else if (kind === "links") this.links = value?.pairs ?? [];
-    else if (kind === "map") this.map = value;
-    else if (kind === "best_map") this.best.take(value);
+    if (key === "best_map") this.best.take(value);
+    else this.live.put(key, value);
+  }
+
+  /** Whether what is shown is read and cannot be changed: the past, and a mission that is over. */
+  get isOver() {
+    return this.past.board !== null || ["closed", "archived"].includes(this.live.mission?.state ?? "");
+  }
+
+  /** Whether whoever is logged in here has this role or one above; the server decides. @param {string} role */
+  may(role) {
+    return !this.me?.login || ROLES.indexOf(this.me.role) >= ROLES.indexOf(role);
   }
 
   /** Time on the server's clock, seconds since 1970. */
   serverNow() {
     return Date.now() / 1000 + this.clockOffset_s;
+  }
+
+  /** The moment that is looked at, seconds since 1970: now, or one of the past. */
+  moment() {
+    return this.past.at_s ?? this.serverNow();
   }
 
   /** Robots in the order of their names, r2 before r10. */
@@ -170,15 +184,16 @@ export class Store {
    * Seconds since the robot was last heard, and how good its link is: the worse of what the server says and what the
    * age says, for when our own stream is stale nobody tells us that a robot went quiet.
    * @param {Robot} robot
+   * @param {number} [moment] seconds since 1970
    */
-  linkOf(robot) {
-    const age_s = robot.heard_unix_s == null ? null : Math.max(0, this.serverNow() - robot.heard_unix_s);
+  linkOf(robot, moment = this.moment()) {
+    const age_s = robot.heard_unix_s == null ? null : Math.max(0, moment - robot.heard_unix_s);
     const isLost = robot.link === "lost" || (age_s !== null && age_s > LOST_AFTER_S);
     const isLate = robot.link === "late" || (age_s !== null && age_s > LATE_AFTER_S);
     return { link: isLost ? "lost" : isLate ? "late" : robot.link, age_s };
   }
 
-  /** @param {{kind: "robot" | "victim" | "tag" | "note", id: string} | null} selected */
+  /** @param {Selected | null} selected */
   select(selected) {
     this.selected = selected;
     this.changed();

@@ -7,7 +7,7 @@ import { Component, html } from "./vendor.js";
 
 const AGAIN_MS = 5000;
 /** @type {Record<string, string>} */
-const CELL_COLORS = { o: "#ffb454", "#": "#3f6c8f" };
+const CELL_COLORS = { o: "var(--warn)", "#": "var(--seen)" };
 
 /**
  * @typedef {{window: string[]}} Memory
@@ -61,7 +61,7 @@ export class TagMemory extends Component {
 function Window({ rows }) {
   const side = rows.length;
   const cells = rows.flatMap((row, y) => [...row].flatMap((cell, x) =>
-    cell in CELL_COLORS ? [html`<rect x=${x} y=${y} width="1.02" height="1.02" fill=${CELL_COLORS[cell]} />`] : []));
+    cell in CELL_COLORS ? [html`<rect x=${x} y=${y} width="1.02" height="1.02" style=${{ fill: CELL_COLORS[cell] }} />`] : []));
   return html`<svg viewBox=${`0 0 ${side} ${side}`} role="img" aria-label="The ground round the tag, north up">
-    ${cells}<circle cx=${side / 2} cy=${side / 2} r=${side / 40 + 0.25} fill="#fff3c4" stroke="#070b11" stroke-width="0.2" /></svg>`;
+    ${cells}<circle cx=${side / 2} cy=${side / 2} r=${side / 40 + 0.25} class="here" stroke-width="0.2" /></svg>`;
 }

@@ -4,7 +4,9 @@ import { Account } from "./account.js";
 import { missionClock, timeOfDay } from "./format.js";
 import { EvacuateButton, EvacuationBanner } from "./evacuation.js";
 import { HoldButton } from "./hold_button.js";
+import { MissionBanner, MissionMenu } from "./mission_state.js";
 import { isOpen } from "./node_sensors.js";
+import { LookMenu } from "./look_menu.js";
 import { ResumeButton } from "./robot_list.js";
 import { html } from "./vendor.js";
 import { standing } from "./victims.js";
@@ -43,20 +45,22 @@ export function TopBar({ store, stops, onMission, onView }) {
           html`<option value=${mission_id} selected=${mission_id === store.missionId}>${name || mission_id}</option>`)}
       </select>
     </label>
+    <${MissionMenu} store=${store} />
     <span class=${`connection connection-${state}`} title=${store.connection.reason || "The live stream of the mission"}>
       <i class="dot" aria-hidden="true"></i>${CONNECTIONS[state]}</span>
     <dl class="figures-bar">
       <${Figure} label="Mission clock" value=${missionClock(store.mission?.clock_s)} />
-      <${Figure} label="Explored" value=${`${Math.round(store.exploredM2)} m²`} />
       <${Figure} label="Robots live" value=${`${live} / ${robots.length}`} level=${live < robots.length ? "warn" : ""} />
       <${Figure} label="Victims" value=${open} level=${open ? "alarm" : ""} />
       ${alerts > 0 && html`<${Figure} label="Alerts" value=${alerts} level="alarm alerts" />`}
+      <${Figure} label="Explored" value=${`${Math.round(store.past.board?.map?.explored_m2 ?? store.exploredM2)} m²`} level="explored" />
       <${Figure} label="Tags" value=${store.tags.size} />
     </dl>
     <div class="views" role="group" aria-label="View">
       ${VIEWS.map(([view, label, title]) => html`<button type="button" title=${title} class=${`view-${view}`}
         aria-pressed=${store.view === view} onClick=${() => onView(view)}>${label}</button>`)}
     </div>
+    <${LookMenu} store=${store} />
     <${Account} store=${store} />
     <${EvacuateButton} store=${store} />
     <${StopAll} store=${store} stops=${stops} />`;
@@ -69,7 +73,7 @@ function Figure({ label, value, level = "" }) {
 
 /** @param {{store: Store, stops: StopControl}} props */
 function StopAll({ store, stops }) {
-  const robots = [...store.robots.values()];
+  const robots = [...store.live.robots.values()];
   const pending = stops.pendingAll;
   if (robots.length > 0 && robots.every((robot) => robot.stopped)) {
     const states = robots.map((robot) => stops.stateOf(robot));
@@ -89,12 +93,12 @@ function StopAll({ store, stops }) {
 
 /** What stands across the page under the bar. @param {{store: Store, stops: StopControl}} props */
 export function Banners({ store, stops }) {
-  return html`<${EvacuationBanner} store=${store} /><${StopBanner} store=${store} stops=${stops} />`;
+  return html`<${EvacuationBanner} store=${store} /><${MissionBanner} store=${store} /><${StopBanner} store=${store} stops=${stops} />`;
 }
 
 /** A strip while every robot is held by an order. @param {{store: Store, stops: StopControl}} props */
 function StopBanner({ store, stops }) {
-  const robots = [...store.robots.values()];
+  const robots = [...store.live.robots.values()];
   if (!robots.length || !robots.every((robot) => robot.stopped)) return null;
   return html`<div class="stop-banner">
     <span>All robots are stopped by order. They go on when you resume them.</span>

@@ -2,7 +2,10 @@
  * The values of the board, as they come over the wire. Types only.
  *
  * @typedef {{mission_id: string, name: string, state: string, created_unix_s: number, clock_s?: number | null,
- *   stopped_all?: boolean}} Mission
+ *   stopped_all?: boolean, state_by?: string, state_unix_s?: number, ran_s?: number}} Mission
+ * @typedef {{photo_id: string, width: number, height: number, text: string, victim_id: string | null,
+ *   annotation_id: string | null, tag_id: string | null, x_m: number | null, y_m: number | null, by: string,
+ *   taken_unix_s: number | null, created_unix_s: number, address: string, thumbnail: string}} Photo
  * @typedef {{robot_id: string, x_m: number, y_m: number, yaw_rad: number, covariance: number[], stamp_s: number,
  *   heard_unix_s: number | null, activity: string, reason: string, battery: number | null, tags_left: number | null,
  *   agent: string, slam?: string, methods?: Record<string, string>, stopped: boolean, link: "live" | "late" | "lost", slipping: boolean, located: boolean,
@@ -19,7 +22,8 @@
  * @typedef {{tag_id: string, x_m: number, y_m: number, covariance: number[], sightings: number,
  *   robots: string[], state?: "sound" | "moved" | "cloned" | "doubtful", notice?: string}} Tag
  * @typedef {{tag_id: string, temperature_c: number | null, pressure_hpa: number | null, tilt_rad: number | null,
- *   heard_unix_s: number, robot_id: string}} Node
+ *   heard_unix_s: number, robot_id: string, temperature_c_per_min?: number | null,
+ *   pressure_hpa_per_min?: number | null}} Node
  * @typedef {{alert_id: string, kind: string, text: string, robot_id: string | null, tag_id: string | null,
  *   victim_id: string | null, severity: "info" | "warning" | "alarm", raised_unix_s: number, over_unix_s: number | null,
  *   acknowledged_by: string, acknowledged_unix_s: number | null}} Alert
@@ -31,7 +35,7 @@
  *   pulse: boolean | null, obeys: boolean | null}} Start
  * @typedef {{annotation_id?: string, kind: string, text: string, x_m?: number | null, y_m?: number | null,
  *   tag_id?: string | null, area_m: [number, number][], by: string, changed_unix_s: number}} Annotation
- * @typedef {{version: number, width: number, height: number, resolution_m: number, origin_m: [number, number],
+ * @typedef {{version: number, width: number, height: number, resolution_m: number, origin_m: [number, number], explored_m2: number,
  *   png: string}} MapInfo
  * @typedef {{state: "none" | "solving" | "ready" | "failed", reason: string, asked_unix_s: number | null,
  *   robots_done: number, robots_total: number, solved_unix_s: number | null, explored_m2: number | null,

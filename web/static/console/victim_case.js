@@ -3,6 +3,7 @@
 import { missionPath, request } from "./api.js";
 import { timeOfDay } from "./format.js";
 import { Markings } from "./markings.js";
+import { Photos } from "./photos.js";
 import { Component, html } from "./vendor.js";
 import { say, standing } from "./victims.js";
 
@@ -49,11 +50,12 @@ export function VictimCase({ victim, store }) {
         if (validity.valid) say(store, victim, { [name]: more.type === "number" ? (value === "" ? null : Number(value)) : value });
       }}/></label>`;
   const count = { type: "number", min: 0, max: 10000, step: 1, inputmode: "numeric" };
-  return html`<div class="case">
+  return html`<fieldset class="case" disabled=${store.isOver}>
     <${StartSteps} victim=${victim} store=${store} />
     <div class="case-row">${field("live", "Live there", count)}${field("dead", "Dead there", count)}${
       field("team", "Team", { maxlength: 60 })}</div>
     ${field("note", "Note", { maxlength: 2000 })}
+    <${Photos} store=${store} of=${{ victim_id: victim.victim_id }} />
     <${Markings} victim=${victim} />
     <div class="case-row">
       <button type="button" aria-pressed=${isPicking} onClick=${move}>Move…</button>
@@ -65,7 +67,7 @@ export function VictimCase({ victim, store }) {
     ${isPicking && html`<p class="order-state" role="status">Click on the plan: that is where the victim is.</p>`}
     ${merged.map((other) => html`<div class="case-row" key=${other.victim_id}><span>${other.victim_id} is the same.</span>
       <button type="button" onClick=${() => say(store, other, { merged_into: null })}>Split off</button></div>`)}
-    <${History} victim=${victim} store=${store} /></div>`;
+    <${History} victim=${victim} store=${store} /></fieldset>`;
 }
 
 /** START, one question at a time. @param {{victim: Victim, store: Store}} props */

@@ -93,7 +93,7 @@ function VictimCard({ victim, store, onSelect }) {
       </button>
       <label class="card-foot">
         <span>Status</span>
-        <select value=${victim.status} onChange=${(/** @type {any} */ event) => say(store, victim, { status: event.currentTarget.value })}>
+        <select value=${victim.status} disabled=${store.isOver} onChange=${(/** @type {any} */ event) => say(store, victim, { status: event.currentTarget.value })}>
           ${Object.entries(VICTIM_STATUSES).map(([value, { label }]) =>
             html`<option value=${value} selected=${value === victim.status}>${label}</option>`)}
         </select>

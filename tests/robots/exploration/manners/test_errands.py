@@ -91,6 +91,21 @@ def test_explore_here_goes_to_the_edges_near_the_place_first(rover, make_hall):
     assert robot.seen[-1].goal_m[0] < 1.0
 
 
+def test_an_area_is_explored_before_what_is_nearer(rover, make_hall):
+    behind = ((-1.5, -1.5, -0.5, 4.5), (18.0, -2.0, 19.0, 2.0))  # edges outside the area, one on its way
+    robot = rover(make_hall(40.0, known_to_m=30.0, unseen=behind), Pose2(1.0, 0.0, 0.0))
+    area = ((24.0, -4.0), (34.0, -4.0), (34.0, 8.0), (24.0, 8.0))
+    robot.explorer.take(RobotOrder("o1", "explore_here", "Ann", (26.0, 0.0), area_m=area), 5)
+    robot.drive(90.0, lambda d: d.reason.startswith("looking"))
+    assert robot.pose.x > 23.0
+    assert 24.0 - 1.0 <= robot.seen[-1].goal_m[0] <= 35.0
+    assert told(robot) == []
+    robot.fused = make_hall(40.0, unseen=behind)
+    robot.drive(10.0)
+    assert told(robot) == [("o1", "done", "no edge of the unknown is left in the area")]
+    assert robot.seen[-1].goal_m[0] < 24.0
+
+
 def test_a_later_order_takes_the_place_of_the_first(rover, make_hall):
     robot = rover(make_hall(known_to_m=15.0), Pose2())
     give(robot, "go_to", (7.0, 2.0))

@@ -1,0 +1,59 @@
+"""What is said of places and ways, in all languages; the phone's tables say the same, word by word."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+Language = Literal["en", "de"]
+
+TEXTS: dict[Language, dict[str, str]] = {
+    "en": {
+        "north": "north", "north_east": "north-east", "east": "east", "south_east": "south-east",
+        "south": "south", "south_west": "south-west", "west": "west", "north_west": "north-west",
+        "metres": "{n} m",
+        "about": "about {far}",
+        "go": "go {far} {way}",
+        "turn_left": "turn left and go {far}",
+        "turn_right": "turn right and go {far}",
+        "turn_round": "turn round and go {far}",
+        "leg": "{pieces} to tag {tag}.",
+        "take_care": "Take care: {hazard}.",
+        "last_leg": "From tag {tag} go {far} {way}: there is {goal}.",
+        "goal_victim": "victim {name}", "goal_tag": "tag {name}", "goal_note": "note {name}",
+        "you_are_at": "You are at tag {tag}.",
+        "next_to_it": "{far} {way} is tag {tag}",
+        "victims_near.one": "{count} victim within {far}.",
+        "victims_near.other": "{count} victims within {far}.",
+        "nearest_victim": "The nearest victim is {far} away.",
+        "no_victim": "No victim is known.",
+        "count_0": "No", "count_1": "One", "count_2": "Two", "count_3": "Three", "count_4": "Four",
+        "count_5": "Five", "count_6": "Six", "count_7": "Seven", "count_8": "Eight", "count_9": "Nine",
+    },
+    "de": {
+        "north": "Norden", "north_east": "Nordosten", "east": "Osten", "south_east": "Südosten",
+        "south": "Süden", "south_west": "Südwesten", "west": "Westen", "north_west": "Nordwesten",
+        "metres": "{n} m",
+        "about": "etwa {far}",
+        "go": "{far} nach {way} gehen",
+        "turn_left": "dann links {far}",
+        "turn_right": "dann rechts {far}",
+        "turn_round": "dann umdrehen und {far} zurück",
+        "leg": "{pieces} bis Marke {tag}.",
+        "take_care": "Vorsicht: {hazard}.",
+        "last_leg": "Von Marke {tag} {far} nach {way} gehen: Dort ist {goal}.",
+        "goal_victim": "Opfer {name}", "goal_tag": "Marke {name}", "goal_note": "Notiz {name}",
+        "you_are_at": "Sie sind an Marke {tag}.",
+        "next_to_it": "{far} nach {way} ist Marke {tag}",
+        "victims_near.one": "{count} Opfer innerhalb von {far}.",
+        "victims_near.other": "{count} Opfer innerhalb von {far}.",
+        "nearest_victim": "Das nächste Opfer ist {far} entfernt.",
+        "no_victim": "Es ist kein Opfer bekannt.",
+        "count_0": "Kein", "count_1": "Ein", "count_2": "Zwei", "count_3": "Drei", "count_4": "Vier",
+        "count_5": "Fünf", "count_6": "Sechs", "count_7": "Sieben", "count_8": "Acht", "count_9": "Neun",
+    },
+}  # fmt: skip
+
+
+def say(language: Language, key: str, **values: object) -> str:
+    """Return a text in a language, its {names} filled in. Raises KeyError where there is no such text."""
+    return TEXTS[language][key].format(**values)

@@ -1,0 +1,118 @@
+"""A simulated responder in a live mission: led by mission control from tag to tag to the victims.
+
+They walk in the simulator's world beside the robots, which do not see them, and reach the server as a phone
+does: where am I, the way there, and "I am at this tag" at every tag.
+"""
+
+from __future__ import annotations
+
+import json
+import threading
+import time
+import urllib.request
+from typing import Any
+from urllib.parse import quote, urlencode
+from uuid import uuid4
+
+from robots.sim.simulation import Simulation
+from robots.sim.tags import BASE_TAG
+from robots.sim.walker import TICK_S, Advice, Walker
+
+_LOOK_EVERY_S = 3.0
+_WITH_VICTIM_S = 20.0
+_TIMEOUT_S = 10.0
+
+
+class Responder:
+    """Walks in a thread of its own until ``stop`` is set. ``name``: how their reports are signed."""
+
+    def __init__(
+        self,
+        simulation: Simulation,
+        url: str,
+        mission_id: str,
+        name: str,
+        speed: float,
+        stop: threading.Event,
+    ) -> None:
+        self._simulation, self._name, self._stop = simulation, name, stop
+        self._api = f"{url}/api/v1"
+        self._mission_id = mission_id
+        self._mission = f"/missions/{quote(mission_id)}"
+        self._speed = speed if speed > 0.0 else 1.0
+        base = simulation.starts[0]
+        self._place = base.x, base.y
+        self._at = BASE_TAG
+        self.reached: set[str] = set()  # victims they have been led to
+        self._thread = threading.Thread(target=self._live, name="responder", daemon=True)
+
+    def start(self) -> None:
+        """Begin to walk as soon as robots have found somebody."""
+        self._thread.start()
+
+    def join(self) -> None:
+        """Wait until they stand still after ``stop`` was set."""
+        self._thread.join()
+
+    def _live(self) -> None:
+        while not self._stop.wait(_LOOK_EVERY_S / self._speed):
+            victim = self._nearest_victim()
+            if victim is not None and self._walk_to(victim):
+                self.reached.add(victim)
+                self._stop.wait(_WITH_VICTIM_S / self._speed)
+
+    def _nearest_victim(self) -> str | None:
+        """Return the nearest victim that a way leads to and where they have not been."""
+        found = self._ask("GET", f"/where/{quote(self._at)}?{urlencode({'mission': self._mission_id})}")
+        reachable = [v["victim_id"] for v in (found or {}).get("victims", []) if v["reachable"]]
+        return next((victim for victim in reachable if victim not in self.reached), None)
+
+    def _walk_to(self, victim: str) -> bool:
+        """Walk until the victim is reached (True), or nothing leads on."""
+        simulation, seed = self._simulation, self._simulation.config.seed + len(self.reached)
+        walker = Walker(
+            simulation.world,
+            simulation.tags,
+            simulation.victims,
+            lambda tag: self._advice(tag, victim),
+            self._place,
+            seed,
+        )
+        due = time.monotonic()
+        while not self._stop.is_set() and walker.advance():
+            due = max(due + TICK_S / self._speed, time.monotonic() - 1.0)
+            self._stop.wait(max(0.0, due - time.monotonic()))
+        self._place = walker.x_m, walker.y_m
+        return walker.arrived
+
+    def _advice(self, tag: str, victim: str) -> Advice | None:
+        """Say where they are, and return what the phone shows."""
+        self._at = tag
+        now = time.time()
+        said = {
+            "kind": "at",
+            "tag_id": tag,
+            "made_by": self._name,
+            "phone_unix_s": now,
+            "sent_phone_unix_s": now,
+        }
+        self._ask("PUT", f"{self._mission}/reports/{uuid4()}", said)
+        route = self._ask(
+            "GET", f"{self._mission}/routes?{urlencode({'from': tag, 'to': f'victim:{victim}'})}"
+        )
+        if route is None:
+            return None
+        step = route["legs"][0] if route["legs"] else route["last"]
+        return None if step is None else Advice(step["bearing_deg"], step["text"], step.get("to_tag"))
+
+    def _ask(self, method: str, path: str, body: dict[str, Any] | None = None) -> dict[str, Any] | None:
+        """Return the answer; None where there is none, or it is a refusal: a person looks again later."""
+        data = None if body is None else json.dumps(body).encode()
+        headers = {"Content-Type": "application/json"}
+        request = urllib.request.Request(self._api + path, data, headers, method=method)
+        try:
+            with urllib.request.urlopen(request, timeout=_TIMEOUT_S) as reply:
+                answer: dict[str, Any] = json.loads(reply.read())
+                return answer
+        except (OSError, ValueError):
+            return None

@@ -1,0 +1,44 @@
+"""A mission as a phone carries it."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Header, Response
+
+from server.api.common import ERRORS, READS, OneMission
+from server.people.audit import AuditedRoute
+from server.schemas.pocket import PocketOut
+
+router = APIRouter(
+    prefix="/missions/{mission_id}/pocket",
+    tags=["routes"],
+    responses=ERRORS,
+    dependencies=READS,
+    route_class=AuditedRoute,
+)
+_ANSWERS: dict[int | str, dict[str, Any]] = {
+    200: {"model": PocketOut},
+    304: {"description": "What you have is the latest."},
+}
+
+
+@router.get("", summary="A mission in one file", operation_id="get_pocket", responses=_ANSWERS)
+async def get_pocket(
+    mission: OneMission,
+    if_none_match: Annotated[str | None, Header()] = None,
+    accept_encoding: Annotated[str, Header()] = "",
+) -> Response:
+    """Return all that a phone needs to answer without the server: plan, tags, ways, victims, notes.
+
+    Routes over `ways` cost their length in centimetres and 5,000 for each hazard within 2 m; `ends` of what
+    is looked for are the tags from which it is in sight, with the centimetres still to go.
+    """
+    pack = await mission.pocket.pack()
+    headers = {"ETag": pack.etag, "Cache-Control": "no-cache", "Vary": "Accept-Encoding"}
+    if if_none_match is not None and pack.etag in [tag.strip() for tag in if_none_match.split(",")]:
+        return Response(status_code=304, headers=headers)
+    if "gzip" in accept_encoding:
+        headers["Content-Encoding"] = "gzip"
+        return Response(pack.zipped, media_type="application/json", headers=headers)
+    return Response(pack.plain, media_type="application/json", headers=headers)

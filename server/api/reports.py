@@ -1,0 +1,53 @@
+"""Reports from the field, each counted once."""
+
+from __future__ import annotations
+
+from typing import Annotated
+from uuid import UUID
+
+from fastapi import APIRouter, Query, Response
+
+from db.reports import ReportRecord
+from server.api.common import ERRORS, READS, OneMission, TheChange, Viewer
+from server.errors import ApiError
+from server.people.audit import AuditedRoute
+from server.schemas.reports import ReportIn, ReportOut, ReportsOut
+
+router = APIRouter(
+    prefix="/missions/{mission_id}/reports",
+    tags=["reports"],
+    responses=ERRORS,
+    dependencies=READS,
+    route_class=AuditedRoute,
+)
+
+
+@router.get("", summary="Reports from the field", operation_id="get_reports")
+async def get_reports(
+    mission: OneMission,
+    limit: Annotated[int, Query(ge=1, le=10_000, description="At most so many.")] = 200,
+) -> ReportsOut:
+    """Return the latest reports, the newest first."""
+    return ReportsOut(reports=[_out(record) for record in await mission.reports.latest(limit)])
+
+
+@router.put("/{report_id}", status_code=201, summary="Report", operation_id="put_report")
+async def put_report(
+    report_id: UUID, body: ReportIn, mission: OneMission, by: Viewer, change: TheChange, response: Response
+) -> ReportOut:
+    """Take a report. Whoever writes it makes its id: sent again, it is answered (200) and changes nothing.
+
+    Who looks on only may say that they have heard EVACUATE.
+    """
+    if by.is_robot or not (body.kind == "heard" or by.may("responder")):
+        message = "Reports are for responders and above; ask a commander for a role. It stays on your phone."
+        raise ApiError(403, "role_too_low", message)
+    record, is_new = await mission.reports.take(report_id, body, by.name)
+    change.subject = f"{record.kind} {record.report_id}"
+    if not is_new:
+        response.status_code = 200
+    return _out(record)
+
+
+def _out(record: ReportRecord) -> ReportOut:
+    return ReportOut(**{name: getattr(record, name) for name in ReportRecord.__slots__})

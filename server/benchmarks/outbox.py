@@ -1,0 +1,180 @@
+"""Reports over a link that fails in every way: whether each arrives, and no more than once.
+
+A real browser runs the phone's own outbox against a real server. Requests are dropped on the way there or the
+way back, answered with 503, sent twice; pages are reloaded, closed and opened twice at once in the middle.
+"""
+
+from __future__ import annotations
+
+import json
+import random
+import time
+import urllib.request
+from collections import Counter
+from dataclasses import dataclass, field
+from typing import Any
+
+MISSION = "field"
+# The outbox alone, begun where no page of the phone has begun it.
+_OUTBOX = """import("/static/phone/outbox.js").then(async (outbox) => {
+  globalThis.begun ??= document.getElementById("page") ? null : outbox.openOutbox();
+  await globalThis.begun;
+  return outbox;
+})"""
+_ADD = f"([kind, body]) => {_OUTBOX}.then(({{ add }}) => add(kind, '{MISSION}', body)).then(({{ id }}) => id)"
+_SEND = f"() => {_OUTBOX}.then(({{ sendNow }}) => void sendNow())"
+_SENT = f"() => {_OUTBOX}.then(({{ sendNow }}) => sendNow())"
+_LEFT = 'import("/static/phone/kept.js").then(({ keys }) => keys("outbox")).then((all) => all.length)'
+_SETTLES_S = 60.0
+
+
+@dataclass
+class Tally:
+    """What was made, id -> text, what happened on the way, and what the server has in the end."""
+
+    made: dict[str, str] = field(default_factory=dict)
+    faults: Counter[str] = field(default_factory=Counter)
+    lost: list[str] = field(default_factory=list)
+    doubled: list[str] = field(default_factory=list)
+
+
+class Link:
+    """The way to the server; ``share`` of the requests meet a fault."""
+
+    def __init__(self, rng: random.Random, faults: Counter[str]) -> None:
+        self.share = 0.0
+        self._rng = rng
+        self._faults = faults
+
+    def __call__(self, route: Any) -> None:
+        """Let a request through, or not (a handler of Playwright's ``route``)."""
+        if self._rng.random() >= self.share:
+            route.continue_()
+            return
+        fault = self._rng.choice(("lost on the way there", "lost on the way back", "busy", "sent twice"))
+        self._faults[fault] += 1
+        if fault == "lost on the way there":
+            route.abort("connectionfailed")
+        elif fault == "busy":
+            route.fulfill(status=503, body="{}", headers={"Content-Type": "application/json"})
+        elif fault == "lost on the way back":
+            route.fetch()
+            route.abort("connectionreset")
+        else:
+            route.fetch()
+            route.fulfill(response=route.fetch())
+
+
+def run(context: Any, home: str, sequences: int, seed: int, page: str = "/phone") -> Tally:
+    """Play sequences in a browser's context (Playwright) against the server at ``home``.
+
+    The context must block service workers, whose requests Playwright does not see. ``page``: where the outbox
+    runs; any of the server's, the phone's own takes longer to load.
+
+    Raises:
+        TimeoutError: reports still wait a minute after the link has become sound.
+    """
+    rng = random.Random(seed)
+    tally = Tally()
+    link = Link(rng, tally.faults)
+    _call(home, "POST", "/missions", {"name": "Field", "mission_id": MISSION, "tag_key": ""})
+    context.route("**/reports/*", link)
+    for sequence in range(sequences):
+        link.share = rng.choice((0.2, 0.5, 0.8, 1.0))
+        _play(context, home + page, rng, tally, sequence)
+    link.share = 0.0
+    _settle(context, home + page)
+    _count(home, tally)
+    return tally
+
+
+def _play(context: Any, address: str, rng: random.Random, tally: Tally, sequence: int) -> None:
+    page = _page(context, address)
+    for step in range(rng.randint(3, 8)):
+        action = rng.choices(("report", "send", "reload", "another", "close"), (10, 4, 3, 1, 1))[0]
+        if action != "report":
+            tally.faults[action] += 1
+        if action == "report":
+            text = f"{sequence}.{step}"
+            kind, body = _report(rng, text)
+            tally.made[page.evaluate(_ADD, [kind, body])] = text
+        elif action == "send":
+            page.evaluate(_SEND)
+        elif action == "reload":
+            page.reload()
+        elif action == "another":  # both send what waits
+            context.new_page().goto(address)
+        else:
+            page.close()
+            page = _page(context, address)
+    for extra in context.pages[1:]:
+        extra.close()
+
+
+def _report(rng: random.Random, text: str) -> tuple[str, dict[str, Any]]:
+    kind = rng.choice(("note", "victim", "mayday"))
+    body: dict[str, Any] = {"text": text, "tag_id": f"T{rng.randint(0, 9)}"}
+    if kind == "note":
+        body["note"] = rng.choice(("hazard", "note", "searched"))
+    if kind == "victim":
+        body |= {"live": rng.randint(0, 3), "dead": rng.randint(0, 1)}
+    return kind, body
+
+
+def _page(context: Any, address: str) -> Any:
+    if not context.pages:
+        context.new_page().goto(address)
+    return context.pages[0]
+
+
+def _settle(context: Any, address: str) -> None:
+    page = _page(context, address)
+    until = time.monotonic() + _SETTLES_S
+    while page.evaluate(_LEFT):
+        if time.monotonic() > until:
+            raise TimeoutError("reports still wait though the link is sound")
+        page.evaluate(_SENT)
+        page.wait_for_timeout(100)
+
+
+def _count(home: str, tally: Tally) -> None:
+    """Compare with what the server has: the reports, and what stands on the map because of them."""
+    reports = _call(home, "GET", f"/missions/{MISSION}/reports?limit=10000")["reports"]
+    there = Counter(report["report_id"] for report in reports)
+    notes = _call(home, "GET", f"/missions/{MISSION}/annotations")["annotations"]
+    shown = Counter(note["annotation_id"] for note in notes) + Counter(
+        note["text"].rsplit(" ", 1)[-1] for note in notes
+    )
+    shows = {r["report_id"] for r in reports if r["kind"] != "mayday"}
+    tally.lost = [name for name in tally.made if name not in there or (name in shows and name not in shown)]
+    tally.doubled = [
+        name for name, text in tally.made.items() if max(there[name], shown[name], shown[text]) > 1
+    ]
+    tally.doubled += [name for name in there if name not in tally.made]
+
+
+def _call(home: str, method: str, path: str, body: object = None) -> Any:
+    request = urllib.request.Request(
+        f"{home}/api/v1{path}",
+        data=None if body is None else json.dumps(body).encode(),
+        method=method,
+        headers={"Content-Type": "application/json"},
+    )
+    with urllib.request.urlopen(request, timeout=30) as response:
+        return json.loads(response.read())
+
+
+def measure(sequences: int, seed: int) -> dict[str, Any]:
+    """Return how many reports were made, lost and doubled, and what they met on the way.
+
+    Raises:
+        CannotMeasureError: there is no browser here.
+    """
+    from server.benchmarks.browser import chromium, server_process
+
+    with server_process() as home, chromium() as browser:
+        context = browser.new_context(service_workers="block")
+        tally = run(context, home, sequences, seed, page="/static/logo.svg")
+        context.close()
+    found = {"sequences": sequences, "reports made": len(tally.made)}
+    return found | dict(tally.faults) | {"lost": len(tally.lost), "doubled": len(tally.doubled)}

@@ -1,0 +1,134 @@
+"""The phone's page: from a touch to the answer, with signal and without, and how much it has to load."""
+
+from __future__ import annotations
+
+import gzip
+import json
+import time
+import urllib.request
+from statistics import median
+from typing import Any
+
+import numpy as np
+
+from robots.routes.planner import RouteMap
+from robots.routes.ways import Way
+from robots.sim.live import play
+from robots.sim.scenario import ScenarioConfig
+from server.benchmarks.browser import chromium, server_process
+from web.mount import NODE_MODULES, STATIC, VENDOR_FILES
+from web.shell import shell_files
+
+_MISSION, _TIMES, _SLOWER = "bench", 15, 4
+_ANSWERED = """
+  new MutationObserver((_, observer) => {
+    if (!document.querySelector(".where")) return;
+    observer.disconnect();
+    globalThis.answeredMs = performance.now();
+  }).observe(document, { childList: true, subtree: true });
+"""
+_TOUCH = """async (tag) => {
+  const { touch } = await import("/static/phone/touch.js");
+  const from = performance.now();
+  touch(tag);
+  const title = () => document.querySelector("h1")?.textContent;
+  const isThere = () => title() === `Tag ${tag}` && document.querySelector(".where");
+  while (!isThere()) await new Promise(requestAnimationFrame);
+  return performance.now() - from;
+}"""
+_KEPT = """async () => (await import("/static/phone/kept.js")).all("pockets").then((all) => all.length > 0)"""
+_ROUTES = """async ([pocket, pairs]) => {
+  const { Roads } = await import("/static/phone/roads.js");
+  const { routeTo } = await import("/static/phone/where.js");
+  const from = performance.now();
+  const roads = new Roads(pocket);
+  const ready = performance.now();
+  for (const [a, b] of pairs) routeTo(pocket, roads, a, b);
+  return [ready - from, (performance.now() - ready) / pairs.length];
+}"""
+
+
+def measure() -> dict[str, Any]:
+    """Return median times in milliseconds and sizes in kilobytes.
+
+    Raises:
+        CannotMeasureError: there is no browser here.
+    """
+    with server_process() as home, chromium() as browser:
+        config = ScenarioConfig(map="office:200", robots=2, minutes=1.5, seed=1)
+        play(config, home, _MISSION, speed=4.0)
+        tags = _tags(home)
+        found: dict[str, Any] = {"tags": len(tags)} | sizes()
+        context = browser.new_context(viewport={"width": 390, "height": 844})
+        context.add_init_script(_ANSWERED)
+        page = context.new_page()
+        page.goto(f"{home}/phone")
+        page.evaluate("() => navigator.serviceWorker.ready")
+        page.wait_for_function("async () => (await caches.keys()).length === 2")
+        page.wait_for_function(_KEPT)
+        context.new_cdp_session(page).send("Emulation.setCPUThrottlingRate", {"rate": _SLOWER})
+        for word in ("online", "offline"):
+            context.set_offline(word == "offline")
+            found[f"touch to answer, page opened, {word}, ms"] = _opened(page, home, tags)
+            found[f"touch to answer, page open, {word}, ms"] = median(page.evaluate(_TOUCH, t) for t in tags)
+        found |= _routes(page)
+        context.close()
+    return {name: round(value, 1) for name, value in found.items()}
+
+
+def sizes() -> dict[str, float]:
+    """Return the size, gzipped, of what the page loads for its first answer, and of what it keeps beside."""
+    vendor = {address: NODE_MODULES / name for address, name in VENDOR_FILES.items()}
+    files = shell_files(STATIC, vendor)
+    zipped = {address: len(gzip.compress(path.read_bytes(), 9)) / 1000.0 for address, path in files.items()}
+    later = {name for name in zipped if "jsqr" in name or "lean-qr" in name or name.endswith(".png")}
+    return {
+        "shell, kB gzipped": sum(size for name, size in zipped.items() if name not in later),
+        "codes and icons, kB gzipped": sum(zipped[name] for name in later),
+    }
+
+
+def _tags(home: str) -> list[str]:
+    with urllib.request.urlopen(f"{home}/api/v1/missions/{_MISSION}/tags", timeout=30) as response:
+        return [tag["tag_id"] for tag in json.loads(response.read())["tags"]][:_TIMES]
+
+
+def _opened(page: Any, home: str, tags: list[str]) -> float:
+    times = []
+    for tag in tags:
+        page.goto(f"{home}/t/{tag}", wait_until="commit")
+        times.append(page.wait_for_function("() => globalThis.answeredMs").json_value())
+    return float(median(times))
+
+
+def _routes(page: Any) -> dict[str, float]:
+    """Return times for routes over a lattice of 5,000 tags, here and on the slowed-down phone."""
+    side = 71
+    places = {f"T{k}": (3.0 * (k // side), 3.0 * (k % side)) for k in range(5000)}
+    pairs = [(f"T{k}", f"T{j}") for k in range(5000) for j in (k + 1, k + side) if j < 5000]
+    ways = [Way(a, b, np.array([places[a], places[b]])) for a, b in pairs]
+    numbers = {tag: k for k, tag in enumerate(places)}
+    tags = [{"tag_id": tag, "x_m": x, "y_m": y, "sd_m": 0.1, "notice": ""} for tag, (x, y) in places.items()]
+    packed = [
+        [numbers[way.from_tag], numbers[way.to_tag], 300, (100 * way.points_m).ravel().tolist()]
+        for way in ways
+    ]
+    pocket = {
+        "tags": tags,
+        "ways": packed,
+        "victims": [],
+        "notes": [],
+    }
+    rng = np.random.default_rng(1)
+    asked = [(f"T{a}", f"T{b}") for a, b in rng.integers(0, 5000, (20, 2))]
+    roads = RouteMap(ways)
+    start = time.perf_counter()
+    for a, b in asked:
+        roads.route(a, [b])
+    server_ms = 1000.0 * (time.perf_counter() - start) / len(asked)
+    ready_ms, route_ms = page.evaluate(_ROUTES, [pocket, [(a, f"tag:{b}") for a, b in asked]])
+    return {
+        "5,000 tags: route on the server, ms": server_ms,
+        "5,000 tags: route on the phone, ms": route_ms,
+        "5,000 tags: made ready on the phone, ms": ready_ms,
+    }

@@ -1,0 +1,154 @@
+"""A mission as a phone carries it out of reach: plan, tags, ways, victims and notes in one file."""
+
+from __future__ import annotations
+
+import asyncio
+import base64
+import gzip
+import hashlib
+import json
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from robots.routes.planner import RouteMap, centimetres
+from robots.team import TeamGrid
+from server.board import Board, Value
+from server.map_image import MapImage
+from server.mission.roster import Roster
+from server.mission.routes import Routes, ends_of, place_of, places_of, sd_of
+from server.mission.shared_map import SharedMap
+
+_MOST = {"tags": 20_000, "victims": 2_000, "notes": 2_000}
+_FRESH_S = 1.0  # so old an answer does for all who ask meanwhile
+_KINDS = ("tag", "trail", "victim", "annotation")
+_OF_VICTIM = ("victim_id", "status", "confidence", "live", "dead", "triage", "note", "merged_into", "by")
+_OF_NOTE = ("annotation_id", "kind", "text", "tag_id", "area_m", "by", "changed_unix_s")
+
+
+@dataclass(frozen=True, slots=True)
+class Pack:
+    """The file: as JSON, gzipped, and a name that changes with it."""
+
+    plain: bytes
+    zipped: bytes
+    etag: str
+
+
+class Pocket:
+    """Packs what the board shows, anew only when it has changed."""
+
+    def __init__(self, board: Board, roster: Roster, routes: Routes, shared_map: SharedMap) -> None:
+        self._board = board
+        self._roster = roster
+        self._routes = routes
+        self._shared_map = shared_map
+        self._packing = asyncio.Lock()
+        self._of: list[object] = []  # what the pack was made of
+        self._pack: Pack | None = None
+        self._packed_s = 0.0
+
+    async def pack(self) -> Pack:
+        """Return the file as of now, or of the last second."""
+        async with self._packing:
+            pack = self._pack
+            if pack is not None and time.monotonic() - self._packed_s < _FRESH_S:
+                return pack
+            kinds = {kind: self._board.of_kind(kind) for kind in _KINDS}
+            image, grid = self._shared_map.image, self._shared_map.grid
+            evacuation, record = self._board.get("evacuation"), self._roster.record
+            now: list[object] = [*(value for values in kinds.values() for value in values), image, grid]
+            now += [evacuation, record]
+            is_same = len(now) == len(self._of) and all(a is b for a, b in zip(now, self._of, strict=True))
+            if pack is None or not is_same:
+                head = {
+                    "mission_id": record.mission_id,
+                    "mission_name": record.name,
+                    "state": record.state,
+                    "created_unix_s": record.created_unix_s,
+                    "evacuation": evacuation,
+                }
+                roads = self._routes.roads()
+                pack = await asyncio.to_thread(pack_of, head, kinds, roads, image, grid)
+                self._of, self._pack = now, pack
+            self._packed_s = time.monotonic()
+            return pack
+
+
+def pack_of(
+    head: Value, kinds: dict[str, list[Value]], roads: RouteMap, image: MapImage | None, grid: TeamGrid | None
+) -> Pack:
+    """Return the file: ``head`` and what ``kinds`` of the board's values hold, with the ways and the plan."""
+    places = places_of(kinds["tag"])
+
+    def with_ends(value: Value, names: Sequence[str]) -> dict[str, Any]:
+        place = place_of(value, places)
+        kept = {name: value[name] for name in names}
+        if place is None:
+            return kept | {"x_m": None, "y_m": None, "ends": []}
+        ends = ends_of(grid, places, roads.tags, place)
+        return kept | {
+            "x_m": place[0],
+            "y_m": place[1],
+            "ends": [[tag, centimetres(far_m)] for tag, far_m in ends.items()],
+        }
+
+    tags = [
+        {
+            "tag_id": tag["tag_id"],
+            "x_m": places[tag["tag_id"]][0],
+            "y_m": places[tag["tag_id"]][1],
+            "sd_m": sd_of(tag),
+            "notice": tag["notice"],
+        }
+        for tag in kinds["tag"][: _MOST["tags"]]
+    ]
+    of = {tag["tag_id"]: k for k, tag in enumerate(tags)}
+    victims = [
+        with_ends(victim, _OF_VICTIM) | {"sd_m": sd_of(victim)}
+        for victim in kinds["victim"][: _MOST["victims"]]
+    ]
+    said = kinds["annotation"]
+    newest = sorted(range(len(said)), key=lambda k: -float(said[k]["changed_unix_s"]))[: _MOST["notes"]]
+    value = head | {
+        "map": _plan(image),
+        "tags": tags,
+        "ways": _ways(roads, of),
+        "victims": victims,
+        "notes": [with_ends(said[k], _OF_NOTE) for k in sorted(newest)],
+        "left_out": {
+            name: max(0, len(kinds[kind]) - _MOST[name])
+            for name, kind in (("tags", "tag"), ("victims", "victim"), ("notes", "annotation"))
+        },
+    }
+    plain = json.dumps(value, separators=(",", ":"), ensure_ascii=False, allow_nan=False).encode()
+    name = hashlib.sha256(plain).hexdigest()[:20]
+    return Pack(plain, gzip.compress(plain, 6, mtime=0), f'W/"{name}"')
+
+
+def _ways(roads: RouteMap, of: dict[str, int]) -> list[list[Any]]:
+    """Return for each way the numbers of its tags, its length and its points (x, y, x, ...) in cm."""
+    return [
+        [
+            of[way.from_tag],
+            of[way.to_tag],
+            centimetres(way.length_m),
+            [centimetres(float(number)) for number in way.points_m.ravel()],
+        ]
+        for way in roads.ways
+        if way.from_tag in of and way.to_tag in of
+    ]
+
+
+def _plan(image: MapImage | None) -> dict[str, Any] | None:
+    if image is None:
+        return None
+    return {
+        "version": image.version,
+        "width": image.width,
+        "height": image.height,
+        "resolution_m": image.resolution_m,
+        "origin_m": list(image.origin_m),
+        "png": base64.b64encode(image.png).decode(),
+    }

@@ -1,0 +1,173 @@
+"""Reports from the field: each counts once, however often and in whatever order they arrive."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from typing import Any
+from uuid import UUID
+
+from db.records import AnnotationRecord, PointRecord
+from db.reports import ReportRecord
+from db.store import Store
+from db.victim_records import SaidRecord, StartRecord, VictimRecord
+from server.board import Board
+from server.errors import ApiError
+from server.mission.alerts import Alerts
+from server.mission.annotations import Annotations
+from server.mission.chip_notes import ChipNotes
+from server.mission.evacuation import Evacuation
+from server.mission.victims import Victims
+from server.schemas.reports import ReportIn
+
+_LATE_S = 60.0
+_BESIDE_M = 2.0  # so far from the tag, a victim that somebody reports there may lie
+_CLOCKS = {"kind", "made_by", "phone_unix_s", "offset_s", "sent_phone_unix_s"}
+
+
+class Reports:
+    """Takes reports: what they say is done and kept, and done again where the server died between the two."""
+
+    def __init__(
+        self,
+        store: Store,
+        mission_id: str,
+        board: Board,
+        annotations: Annotations,
+        victims: Victims,
+        alerts: Alerts,
+        evacuation: Evacuation,
+        chip_notes: ChipNotes,
+    ) -> None:
+        self._store = store.reports
+        self._mission_id = mission_id
+        self._board = board
+        self._annotations = annotations
+        self._victims = victims
+        self._alerts = alerts
+        self._evacuation = evacuation
+        self._chip_notes = chip_notes
+        self._taking = asyncio.Lock()  # one sent twice at the same time counts once too
+
+    async def restore(self) -> None:
+        """Show again where people were last."""
+        for record in reversed(await self._store.latest(self._mission_id, 1000, "at")):
+            self._show_place(record)
+
+    async def latest(self, limit: int) -> list[ReportRecord]:
+        """Return the latest reports, the newest first."""
+        return await self._store.latest(self._mission_id, limit)
+
+    async def take(self, report_id: UUID, said: ReportIn, sender: str) -> tuple[ReportRecord, bool]:
+        """Take a report from somebody who is logged in as ``sender``; say whether it is new.
+
+        Raises:
+            ApiError: it cannot be taken, and nothing of it is kept.
+            DatabaseError: it could not be kept.
+        """
+        async with self._taking:
+            known = await self._store.get(self._mission_id, str(report_id))
+            if known is not None:
+                return known, False
+            now = time.time()
+            record = ReportRecord(
+                report_id=str(report_id),
+                kind=said.kind,
+                by=_signature(said.made_by, sender),
+                made_unix_s=made_at(said, now),
+                received_unix_s=now,
+                phone_unix_s=said.phone_unix_s,
+                offset_s=said.offset_s,
+                body=said.model_dump(exclude=_CLOCKS, exclude_none=True),
+                outcome="",
+            )
+            outcome = await getattr(self, f"_take_{said.kind}")(record, said)
+            record = ReportRecord(**{**_values(record), "outcome": outcome})
+            await self._store.record(self._mission_id, record)
+            return record, True
+
+    async def _take_note(self, record: ReportRecord, said: ReportIn) -> str:
+        assert said.note is not None
+        await self._annotations.put(
+            AnnotationRecord(
+                annotation_id=record.report_id,
+                kind=said.note,
+                text=said.text,
+                x_m=None,
+                y_m=None,
+                tag_id=said.tag_id,
+                by=record.by,
+                created_unix_s=record.made_unix_s,
+                changed_unix_s=record.received_unix_s,
+            )
+        )
+        await self._chip_notes.is_reported(said.tag_id or "", record.by, said.note, said.text)
+        return f"It stands on the map at tag {said.tag_id}."
+
+    async def _take_victim(self, record: ReportRecord, said: ReportIn) -> str:
+        tag = self._board.get(f"tag/{said.tag_id}")
+        start = StartRecord() if said.start is None else StartRecord(**said.start.model_dump())
+        if tag is None:  # where that is, is not known yet: the note moves there once it is
+            counts = f"{said.live or 0} live, {said.dead or 0} dead, START: {start.triage}. {said.text}"
+            note = said.model_copy(update={"note": "victim", "text": counts.strip()})
+            return await self._take_note(record, note)
+        victim_id = f"p-{record.report_id[:8]}"
+        var_x, var_xy, var_y = tag["covariance"]
+        place = PointRecord(tag["x_m"], tag["y_m"], var_x + _BESIDE_M**2, var_xy, var_y + _BESIDE_M**2)
+        words = SaidRecord(
+            status="reached",
+            note=f"At tag {said.tag_id}. {said.text}".strip(),
+            live=said.live,
+            dead=said.dead,
+            start=start,
+            by=record.by,
+            changed_unix_s=record.made_unix_s,
+        )
+        await self._victims.add(VictimRecord(victim_id, place, 1.0, 0, (), 0.0, 0.0, words))
+        return f"It is victim {victim_id}."
+
+    async def _take_mayday(self, record: ReportRecord, said: ReportIn) -> str:
+        text = f"MAYDAY from {record.by}{f' near tag {said.tag_id}' if said.tag_id else ''}"
+        late_s = record.received_unix_s - record.made_unix_s
+        if late_s > _LATE_S:
+            text += f", called {round(late_s / 60)} min ago without signal"
+        text += f": {said.text}." if said.text else "."
+        await self._alerts.raise_("mayday", record.by, text, "alarm", event="mayday", tag_id=said.tag_id)
+        return "Everybody was told."
+
+    async def _take_heard(self, record: ReportRecord, said: ReportIn) -> str:
+        if self._evacuation.value()["since_unix_s"] != said.since_unix_s:
+            return "That order is over."  # and a later one has to be heard by itself
+        try:
+            await self._evacuation.acknowledge(record.by)
+        except ApiError:
+            return "That order is over."
+        return "It was noted."
+
+    async def _take_at(self, record: ReportRecord, said: ReportIn) -> str:
+        self._show_place(record)
+        return "It was noted."
+
+    def _show_place(self, record: ReportRecord) -> None:
+        key = f"responder/{record.by}"
+        known = self._board.get(key)
+        if known is None or known["unix_s"] < record.made_unix_s:
+            place = {"name": record.by, "tag_id": record.body["tag_id"], "unix_s": record.made_unix_s}
+            self._board.publish({key: place})
+
+
+def made_at(said: ReportIn, now: float) -> float:
+    """Return when a report was made, by the server's clock, of which it is ``now``.
+
+    By what the phone knew of its clock then; else by how far that clock has gone on since.
+    """
+    offset_s = now - said.sent_phone_unix_s if said.offset_s is None else said.offset_s
+    return min(said.phone_unix_s + offset_s, now)
+
+
+def _signature(made_by: str, sender: str) -> str:
+    return sender if made_by in ("", sender) else f"{made_by} (sent by {sender})"
+
+
+def _values(record: ReportRecord) -> dict[str, Any]:
+    return {name: getattr(record, name) for name in ReportRecord.__slots__}

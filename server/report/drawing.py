@@ -1,0 +1,272 @@
+"""The plan of the report, and victims' markings as they are sprayed, in SVG."""
+
+from __future__ import annotations
+
+import base64
+import re
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from server.report.html import Html, join, tag
+from web.viser.colors import THEMES, robot_index
+
+_COLORS = THEMES["daylight"]
+VICTIM_COLORS = {
+    "suspected": "warn",
+    "confirmed": "danger",
+    "reached": "accent",
+    "extricated": "good",
+    "dismissed": "silent",
+}
+_PAINT = "marking"
+_MARGIN_M = 1.0
+
+Value = Mapping[str, Any]
+
+
+def color(name: str) -> str:
+    """Return a colour of the palette, for paper."""
+    return "#{:02x}{:02x}{:02x}".format(*_COLORS[name])
+
+
+def robot_color(robot_id: str) -> str:
+    """Return a robot's colour, for paper."""
+    return color(f"robot-{robot_index(robot_id) + 1}")
+
+
+def data_address(png: bytes) -> str:
+    """Return a picture as an address that holds it."""
+    return "data:image/png;base64," + base64.b64encode(png).decode()
+
+
+def number(value: float) -> str:
+    """Return a coordinate in SVG: centimetres are enough."""
+    return re.sub(r"\.?0+$", "", f"{value:.2f}") if abs(value) >= 0.005 else "0"
+
+
+def plan(
+    shown: Value | None, png: bytes | None, state: Mapping[str, Value], numbers: Mapping[str, int]
+) -> Html:
+    """Return the plan at the end: building, links, trails, tags, robots, victims by number, notes."""
+    low, high = _extent(shown, state)
+    width, height = high[0] - low[0], high[1] - low[1]
+    size = max(width, height) / 60.0  # of marks and letters, in metres
+
+    def at(x_m: float, y_m: float) -> tuple[float, float]:
+        return x_m - low[0], high[1] - y_m  # the page's y runs down
+
+    parts = []
+    if shown is not None and png is not None:
+        x_m, y_m = shown["origin_m"]
+        w, h = shown["width"] * shown["resolution_m"], shown["height"] * shown["resolution_m"]
+        left, top = at(x_m, y_m + h)
+        parts.append(
+            tag(
+                "image",
+                href=data_address(png),
+                x=number(left),
+                y=number(top),
+                width=number(w),
+                height=number(h),
+                preserveAspectRatio="none",
+            )
+        )
+    for trail in _of(state, "trail"):
+        points = " ".join(f"{number(x)},{number(y)}" for x, y in (at(*point) for point in trail["points_m"]))
+        parts.append(
+            tag(
+                "polyline",
+                points=points,
+                fill="none",
+                stroke=robot_color(trail["robot_id"]),
+                stroke_width=number(size / 6),
+                opacity="0.8",
+            )
+        )
+    for each in _of(state, "tag"):
+        x, y = at(each["x_m"], each["y_m"])
+        r = size / 3
+        parts.append(
+            tag(
+                "path",
+                tag("title", each["tag_id"]),
+                d=f"M{number(x)} {number(y - r)}l{r:.2f} {r:.2f}l{-r:.2f} {r:.2f}l{-r:.2f} {-r:.2f}Z",
+                fill=color("tag"),
+            )
+        )
+    for each in _of(state, "robot"):
+        parts.append(
+            _mark(
+                at(each["x_m"], each["y_m"]),
+                size,
+                robot_color(each["robot_id"]),
+                each["robot_id"],
+                f"Robot {each['robot_id']}",
+            )
+        )
+    for each in _of(state, "annotation"):
+        if each["x_m"] is not None:
+            parts.append(
+                _mark(
+                    at(each["x_m"], each["y_m"]),
+                    size,
+                    color("note"),
+                    each["text"][:30] or each["kind"],
+                    each["text"],
+                )
+            )
+    for each in _of(state, "victim"):
+        if each["victim_id"] in numbers:
+            parts.append(_victim(at(each["x_m"], each["y_m"]), size, each, numbers[each["victim_id"]]))
+    parts.append(_scale(width, height, size))
+    view = f"0 0 {number(width)} {number(height)}"
+    return tag(
+        "svg",
+        *parts,
+        viewBox=view,
+        role="img",
+        aria_label="Plan of the building at the end",
+        class_="plan",
+        style=f"max-height:{'24cm' if height > width else '17cm'}",
+    )
+
+
+def _extent(
+    shown: Value | None, state: Mapping[str, Value]
+) -> tuple[tuple[float, float], tuple[float, float]]:
+    xs, ys = [], []
+    if shown is not None:
+        x_m, y_m = shown["origin_m"]
+        xs += [x_m, x_m + shown["width"] * shown["resolution_m"]]
+        ys += [y_m, y_m + shown["height"] * shown["resolution_m"]]
+    for kind in ("robot", "victim", "tag"):
+        xs += [each["x_m"] for each in _of(state, kind)]
+        ys += [each["y_m"] for each in _of(state, kind)]
+    if not xs:
+        return (-5.0, -5.0), (5.0, 5.0)
+    return (min(xs) - _MARGIN_M, min(ys) - _MARGIN_M), (max(xs) + _MARGIN_M, max(ys) + _MARGIN_M)
+
+
+def _of(state: Mapping[str, Value], kind: str) -> list[Value]:
+    return [value for key, value in state.items() if key.startswith(f"{kind}/")]
+
+
+def _mark(place: tuple[float, float], size: float, fill: str, name: str, title: str) -> Html:
+    x, y = place
+    circle = tag(
+        "circle",
+        tag("title", title),
+        cx=number(x),
+        cy=number(y),
+        r=number(size / 2),
+        fill=fill,
+        stroke="#fff",
+        stroke_width=number(size / 8),
+    )
+    return join((circle, _label(x, y + 1.5 * size, size, name, fill)))
+
+
+def _victim(place: tuple[float, float], size: float, victim: Value, n: int) -> Html:
+    x, y = place
+    fill = color(VICTIM_COLORS.get(victim["status"], "silent"))
+    side = 1.6 * size
+    box = tag(
+        "rect",
+        tag("title", victim["victim_id"]),
+        x=number(x - side / 2),
+        y=number(y - side / 2),
+        width=number(side),
+        height=number(side),
+        rx=number(size / 4),
+        fill=fill,
+        stroke="#fff",
+        stroke_width=number(size / 8),
+    )
+    return join(
+        (
+            box,
+            tag(
+                "text",
+                n,
+                x=number(x),
+                y=number(y + 0.4 * size),
+                font_size=number(1.1 * size),
+                font_weight="700",
+                text_anchor="middle",
+                fill="#fff",
+            ),
+        )
+    )
+
+
+def _label(x: float, y: float, size: float, name: str, fill: str) -> Html:
+    return tag(
+        "text",
+        name,
+        x=number(x),
+        y=number(y),
+        font_size=number(0.9 * size),
+        text_anchor="middle",
+        fill=fill,
+        stroke="#fff",
+        stroke_width=number(size / 5),
+        paint_order="stroke",
+        font_weight="600",
+    )
+
+
+def _scale(width: float, height: float, size: float) -> Html:
+    length = next(n for n in (100, 50, 20, 10, 5, 2, 1) if n < width / 4 or n == 1)
+    x, y = 0.5 * size, height - 0.6 * size
+    bar = tag(
+        "path",
+        d=f"M{number(x)} {number(y - size / 3)}v{number(size / 3)}h{length}v{number(-size / 3)}",
+        fill="none",
+        stroke="#000",
+        stroke_width=number(size / 8),
+    )
+    return join((bar, _label(x + length / 2, y - 0.4 * size, size, f"{length} m", "#000")))
+
+
+def insarag(live: int | None, dead: int | None) -> Html:
+    """Return the INSARAG victim marking: a V, L-n and D-n below; what is there no more is crossed out."""
+    lines = [(letter, count) for letter, count in (("L", live), ("D", dead)) if count is not None]
+    parts: list[Html] = [_stroke("M26 8 50 60 74 8", 9)]
+    for k, (letter, count) in enumerate(lines):
+        y = 78 + 20 * k - (len(lines) - 1) * 2
+        parts.append(
+            tag(
+                "text",
+                f"{letter}-{count}",
+                x=50,
+                y=y,
+                text_anchor="middle",
+                font_size=19,
+                font_weight=700,
+                fill=color(_PAINT),
+            )
+        )
+        if count == 0:
+            parts.append(_stroke(f"M30 {72 + 20 * k}H70", 4))
+    return _marking(parts, "INSARAG")
+
+
+def fema(live: int | None, dead: int | None, status: str) -> Html:
+    """Return the FEMA victim marking: a V; a circle: alive; a bar: dead; an X: all were removed."""
+    parts: list[Html] = [_stroke("M28 22 50 74 72 22", 9)]
+    if live:
+        parts.append(tag("circle", cx=50, cy=46, r=42, fill="none", stroke=color(_PAINT), stroke_width=6))
+    elif dead:
+        parts.append(_stroke("M14 46H86", 7))
+    if status == "extricated" or (live == 0 and not dead):
+        parts.append(_stroke("M16 12 84 84M84 12 16 84", 6))
+    return _marking(parts, "FEMA")
+
+
+def _stroke(path: str, width: int) -> Html:
+    return tag("path", d=path, fill="none", stroke=color(_PAINT), stroke_width=width, stroke_linecap="square")
+
+
+def _marking(parts: Sequence[Html], name: str) -> Html:
+    drawn = tag("svg", *parts, viewBox="0 0 100 100", role="img", aria_label=f"{name} marking")
+    return tag("figure", drawn, tag("figcaption", name))

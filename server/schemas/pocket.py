@@ -1,0 +1,86 @@
+"""A mission in one file, on the wire."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from pydantic import Field
+
+from db.records import AnnotationKind
+from db.victim_records import Triage, VictimStatus
+from server.schemas.alerts import EvacuationOut
+from server.schemas.common import Wire
+
+End = tuple[str, int]
+
+
+class PocketTagOut(Wire):
+    """A tag, to the centimetre."""
+
+    tag_id: str
+    x_m: float
+    y_m: float
+    sd_m: float
+    notice: str
+
+
+class PocketVictimOut(Wire):
+    """A victim, and the tags in sight of it."""
+
+    victim_id: str
+    x_m: float
+    y_m: float
+    sd_m: float
+    status: VictimStatus
+    confidence: float
+    live: int | None
+    dead: int | None
+    triage: Triage
+    note: str
+    merged_into: str | None
+    by: str
+    ends: list[End] = Field(description="A tag in sight, and centimetres from there.")
+
+
+class PocketNoteOut(Wire):
+    """A note, and the tags in sight of it."""
+
+    annotation_id: str
+    kind: AnnotationKind
+    text: str
+    x_m: float | None = Field(description="Its place, also of an area or at a tag; null while not known.")
+    y_m: float | None
+    tag_id: str | None
+    area_m: list[list[float]]
+    by: str
+    changed_unix_s: float
+    ends: list[End]
+
+
+class PocketPlanOut(Wire):
+    """The plan as a picture."""
+
+    version: int
+    width: int
+    height: int
+    resolution_m: float
+    origin_m: tuple[float, float] = Field(description="World coordinates of the lower left corner.")
+    png: str = Field(description="Base64: 0 unknown (transparent), 1 free, 2 occupied; the top row first.")
+
+
+class PocketOut(Wire):
+    """A mission in one file."""
+
+    mission_id: str
+    mission_name: str
+    state: str
+    created_unix_s: float
+    evacuation: EvacuationOut | None
+    map: PocketPlanOut | None
+    tags: list[PocketTagOut]
+    ways: list[tuple[int, int, int, list[int]]] = Field(
+        description="Numbers of two tags, the length in cm, and the points between, x and y of each in cm."
+    )
+    victims: list[PocketVictimOut]
+    notes: list[PocketNoteOut]
+    left_out: dict[str, Any] = Field(description="How many tags, victims and notes had no room.")

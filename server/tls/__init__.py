@@ -1,0 +1,1 @@
+"""Encryption where no public authority reaches: an own one for the field's network."""

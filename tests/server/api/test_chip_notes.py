@@ -1,0 +1,83 @@
+"""A word that a phone left in a tag: a robot brings it home, and its writer's report does not double it."""
+
+import base64
+import itertools
+import struct
+import time
+from binascii import crc_hqx
+from uuid import uuid4
+
+import pytest
+
+from robots.tags.content import encode_memory
+from robots.tags.marks import Note, Notes
+from robots.tags.memory import TagMemory
+from robots.tags.record import seal
+
+KEY = "00ff17"
+SEALED = seal(encode_memory(TagMemory.empty()), 0, "A4", bytes.fromhex(KEY))
+
+
+def unsealed(*texts, author="Kim"):
+    notes = tuple(Note(len(texts) - k, author, text) for k, text in enumerate(texts))
+    empty = TagMemory.empty()
+    content = encode_memory(TagMemory(empty.cells, (), (), Notes(notes)))
+    head, rest = struct.pack(">BHH", 3, 0, len(content)), content + bytes(8)
+    return head + struct.pack(">H", crc_hqx(head + rest, 0xFFFF)) + rest
+
+
+@pytest.fixture
+def line(control):
+    line = control.open(tag_key=KEY)
+    assert line.register(**line.words).status_code == 201
+    numbers = itertools.count()
+
+    def read_tag(memory):
+        seq = next(numbers)
+        sighting = {"tag_id": "A4", "memory": base64.b64encode(memory).decode()}
+        line.send([{"seq": seq, "stamp_s": seq * 0.1, "tag_sightings": [sighting]}])
+
+    line.read_tag = read_tag
+    return line
+
+
+def report(line, text, note="hazard", made_by="Kim"):
+    now = time.time()
+    body = {"kind": "note", "note": note, "text": text, "tag_id": "A4", "made_by": made_by}
+    said = body | {"phone_unix_s": now, "sent_phone_unix_s": now}
+    assert line.call("PUT", f"/reports/{uuid4()}", said).status_code == 201
+
+
+def on_map(line):
+    found = line.get("/annotations")["annotations"]
+    return sorted((a["kind"], a["text"], a["tag_id"], a["by"].partition(" (")[0]) for a in found)
+
+
+def test_a_robot_brings_home_what_a_phone_left_in_a_tag(line):
+    memory = SEALED + unsealed("hazard: gas <b>", "two doors")
+    line.read_tag(memory)
+    line.read_tag(memory)
+    assert on_map(line) == [("hazard", "gas <b>", "A4", "Kim"), ("note", "two doors", "A4", "Kim")]
+    (by,) = {a["by"] for a in line.get("/annotations")["annotations"]}
+    assert "without seal" in by
+    assert line.events("tag_unreadable") == []  # what the robots sealed counts as ever
+    line.read_tag(SEALED + unsealed("searched: all clear", "hazard: gas <b>", "two doors"))
+    assert ("searched", "all clear", "A4", "Kim") in on_map(line)
+    assert len(on_map(line)) == 3
+
+
+@pytest.mark.parametrize("chip_first", [True, False])
+def test_the_writers_own_report_and_the_chips_note_count_once(line, chip_first):
+    long = "gas " * 60  # more than a tag takes
+    in_tag = f"hazard: {long}".encode()[:120].decode()
+    steps = [lambda: line.read_tag(SEALED + unsealed(in_tag)), lambda: report(line, long.strip() + " end")]
+    for step in steps if chip_first else reversed(steps):
+        step()
+    assert on_map(line) == [("hazard", long.strip() + " end", "A4", "Kim")]
+    report(line, "gas", made_by="Ann")  # another one's word is another one
+    assert len(on_map(line)) == 2
+
+
+def test_a_chip_of_a_stranger_cannot_fill_the_map(line):
+    line.read_tag(SEALED + unsealed(*(f"note: {k}" for k in range(60))))
+    assert len(on_map(line)) == 50

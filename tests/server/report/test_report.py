@@ -1,0 +1,161 @@
+"""The report says what happened, holds all it needs, and runs nothing but its own script."""
+
+import json
+import re
+from html.parser import HTMLParser
+from uuid import uuid4
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from server.cli.main import run
+from server.report.html import Html, duration, table, tag, text
+
+HOSTILE = '</script></style><script>window.hacked = 1</script><img src=x onerror="hacked=1"> \'&amp; ]]>'
+VOID = {"meta", "br", "img"}
+
+
+class Reader(HTMLParser):
+    """Elements, attributes and text; scripts and styles apart."""
+
+    def __init__(self, page):
+        super().__init__()
+        self.open, self.elements, self.attributes, self.words = [], [], [], []
+        self.feed(page)
+        self.close()
+
+    def handle_starttag(self, name, attributes):
+        self.elements.append(name)
+        self.attributes += [(name, key, value) for key, value in attributes]
+        if name not in VOID:
+            self.open.append(name)
+
+    def handle_endtag(self, name):
+        assert self.open.pop() == name
+
+    def handle_data(self, data):
+        if not self.open or self.open[-1] not in ("script", "style"):
+            self.words.append(data)
+
+    @property
+    def text(self):
+        return " ".join(" ".join(self.words).split())
+
+
+@pytest.fixture(scope="module")
+def report(control, drive):
+    """The report of a mission in which people did all that they can do."""
+    line = control.open("handed-over")
+    line.register(**line.words)
+    for wires in drive.wires[:90]:
+        line.send(wires)
+    with line.stream() as stream:
+        stream.until(lambda s: "map" in s.state and s.kind("victim") and s.kind("tag"))
+        stream.settle()
+        victim = stream.kind("victim")[0]["victim_id"]
+    note = f"/annotations/{uuid4()}"
+    line.call("PUT", note, {"kind": "hazard", "text": f"gas {HOSTILE}", "x_m": 1.0, "y_m": 2.0})
+    gone = f"/annotations/{uuid4()}"
+    line.call("PUT", gone, {"kind": "note", "text": "was here", "x_m": 1.0, "y_m": 1.0})
+    line.call("DELETE", gone)
+    first = {"status": "confirmed", "team": "</script><i onclick=x>"}
+    for words in (first, {"live": 2, "dead": 0, "note": HOSTILE}):
+        assert line.call("PATCH", f"/victims/{victim}", words).is_success
+    for alert in line.get("/alerts")["alerts"]:
+        line.call("POST", f"/alerts/{alert['alert_id']}/acknowledge")
+    line.call("POST", "/stop", {"robots": None})
+    response = line.call("GET", "/report.html")
+    assert response.status_code == 200
+    return line, victim, response
+
+
+def test_it_says_what_happened(report):
+    line, victim, response = report
+    words = Reader(response.text).text
+    assert "Report of mission handed-over" in words
+    assert f"1 {victim}: confirmed" in words
+    assert "L-2" in words
+    assert "D-0" in words
+    assert re.search(r"status: confirmed, team: </script>", words)
+    assert "alive there: 2, dead there: 0" in words
+    assert re.search(r"operator, after \d+ s", words)  # when the alert was noted
+    assert "gas </script>" in words
+    assert "was here" in words
+    assert "removed" in words
+    assert "STOP for all robots by operator." in words
+    for event in line.get("/events?limit=1000")["events"]:
+        assert " ".join(event["text"].split()) in words
+    for found in line.get("/tags")["tags"]:
+        assert found["tag_id"] in words
+
+
+def test_it_needs_nothing_beside_itself_and_runs_only_its_script(report):
+    _, _, response = report
+    page = Reader(response.text)
+    assert page.elements.count("script") == 2  # the film's data, and the player
+    for name, key, value in page.attributes:
+        assert not key.startswith("on"), (name, key)
+        if key in ("src", "href", "action", "data", "srcset"):
+            assert value.startswith("data:image/png;base64,"), (name, key)
+    assert not {"link", "iframe", "object", "embed", "form", "base"} & set(page.elements)
+    assert "url(" not in response.text.split("<style>")[1].split("</style>")[0]
+    policy = response.headers["content-security-policy"]
+    assert policy.startswith("default-src 'none'; img-src data:;")
+    assert "'unsafe-inline'" not in policy.split("script-src")[1]
+    assert ("meta", "content", policy) in page.attributes
+
+
+def test_its_film_is_the_mission(report):
+    line, victim, response = report
+    film = json.loads(re.search(r'id="film">(.*?)</script>', response.text)[1])
+    assert film["times"] == sorted(film["times"])
+    (robot,) = film["robots"]
+    state = line.get("/robots/r1")["state"]
+    x, y, _ = robot["poses"][-1]
+    assert (x, y) == pytest.approx((state["x_m"], state["y_m"]), abs=0.3)
+    assert len({tuple(pose) for pose in robot["poses"] if pose}) > 3
+    assert {each["name"] for each in film["victims"]} >= {victim}
+    shown = [version for version in film["maps"] if version is not None]
+    assert shown
+    assert {str(version) for version in shown} <= film["pictures"].keys()
+
+
+def test_an_empty_mission_has_a_report_too(control):
+    words = Reader(control.open("empty").call("GET", "/report.html").text).text
+    assert "No victim was seen." in words
+    assert "none seen" in words
+
+
+def test_the_command_writes_it_from_server_and_database(tmp_path, make_control, capsys):
+    control = make_control(tmp_path)
+    control.open("school")
+    control.call("POST", "/missions/school/stop", {"robots": None})
+    out = tmp_path / "report.html"
+    assert run(["report", "school", "--out", str(out), "--server", f"http://127.0.0.1:{control.port}"]) == 0
+    first = Reader(out.read_text()).text
+    control.stop()
+    assert run(["report", "school", "--out", str(out), "--data", str(tmp_path)]) == 0
+    assert "STOP for all robots by operator." in first
+    assert "STOP for all robots by operator." in Reader(out.read_text()).text
+    assert run(["report", "nowhere", "--out", str(out), "--data", str(tmp_path)]) == 1
+    assert "there is no mission 'nowhere'" in capsys.readouterr().err
+    assert not list(tmp_path.glob("*.part"))
+
+
+@settings(max_examples=40)
+@given(st.text(), st.text())
+def test_whatever_comes_from_outside_is_text(word, value):
+    page = tag("p", word, title=value)
+    reader = Reader(page)
+    assert reader.elements == ["p"]
+    (attribute,) = reader.attributes
+    assert attribute[2] == value.replace("\r\n", "\n").replace("\r", "\n") or attribute[2] == value
+    assert Reader(table((word,), [(value,)])).elements == ["table", "thead", "tr", "th", "tbody", "tr", "td"]
+    assert text(Html("<b>")) == "<b>"
+
+
+def test_durations_are_told_in_words():
+    assert [duration(s) for s in (0, 59.4, 60, 3599, 3600, 7260)] == [
+        "0 s", "59 s", "1 min 00 s", "59 min 59 s", "1 h 00 min", "2 h 01 min",
+    ]  # fmt: skip

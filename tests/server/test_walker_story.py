@@ -1,0 +1,124 @@
+"""The story of part F: robots find a victim, and somebody without signal is led there tag by tag.
+
+The phone has nothing but the mission's file that it got before (`GET /pocket`), the walker nothing but what
+the phone shows: an arrow, a sentence and the next tag.
+"""
+
+from __future__ import annotations
+
+import time
+from math import hypot
+from threading import Event
+
+import numpy as np
+import pytest
+
+from robots.config import AgentConfig
+from robots.overrides import override
+from robots.routes.planner import RouteMap
+from robots.routes.ways import Way
+from robots.routes.words import bearing_deg, compass_point, leg_text, metres
+from robots.sim.live import play
+from robots.sim.responder import Responder
+from robots.sim.scenario import ScenarioConfig
+from robots.sim.walker import Advice, Walker
+
+CONFIG = override(AgentConfig(), {"deployment": {"spacing_m": 2.5, "rate_per_m": 3.0}})
+SCENARIO = ScenarioConfig(map="office:60", robots=1, seed=4, victims=3, minutes=1.2, agent_config=CONFIG)
+
+
+class PocketPhone:
+    """A phone out of reach that leads to a victim of the mission in its pocket."""
+
+    def __init__(self, pocket, victim_id):
+        tags = pocket["tags"]
+        self.victim = next(v for v in pocket["victims"] if v["victim_id"] == victim_id)
+        self.places = {tag["tag_id"]: np.array([tag["x_m"], tag["y_m"]]) for tag in tags}
+        ways = [
+            Way(tags[a]["tag_id"], tags[b]["tag_id"], np.array(points).reshape(-1, 2) / 100.0)
+            for a, b, _, points in pocket["ways"]
+        ]
+        self.roads = RouteMap(ways, {tag["tag_id"]: tag["sd_m"] for tag in tags})
+        self.ends = {tag: cm / 100.0 for tag, cm in self.victim["ends"]}
+
+    def legs(self, tag_id):
+        return self.roads.route(tag_id, self.ends, self.ends)
+
+    def __call__(self, tag_id):
+        legs = self.legs(tag_id)
+        if legs:
+            points = legs[0].way.points_m
+            return Advice(bearing_deg(points[0], points[1]), leg_text(legs[0]), legs[0].way.to_tag)
+        here, there = self.places[tag_id], np.array([self.victim["x_m"], self.victim["y_m"]])
+        bearing, far = bearing_deg(here, there), metres(float(hypot(*(there - here))))
+        return Advice(
+            bearing, f"From tag {tag_id} go {far} {compass_point(bearing)}: there is the victim.", None
+        )
+
+
+@pytest.fixture(scope="module")
+def explored(control):
+    """A mission that a robot explored in the simulator: the world as it truly is, and the phone's file."""
+    simulations = []
+    url = f"http://127.0.0.1:{control.port}"
+    play(
+        SCENARIO,
+        url,
+        "walked",
+        speed=0.0,
+        progress=lambda s: simulations.append(s) if not simulations else None,
+    )
+    line = control.line("walked")
+    for _ in range(150):
+        pocket = line.get("/pocket")
+        if pocket["ways"] and any(victim["ends"] for victim in pocket["victims"]):
+            return simulations[0], pocket
+        time.sleep(0.2)
+    raise AssertionError("no victim was found in sight of a tag")
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_who_starts_without_signal_is_led_to_the_victim(explored, seed):
+    simulation, pocket = explored
+    reached = [victim for victim in pocket["victims"] if victim["ends"]]
+    led_m, legs = [], 0
+    for victim in reached:
+        phone = PocketPhone(pocket, victim["victim_id"])
+        start = max(phone.roads.tags, key=lambda tag: (len(phone.legs(tag)), tag))
+        legs = max(legs, len(phone.legs(start)))
+        tag = simulation.tags.named(start)
+        walker = Walker(
+            simulation.world, simulation.tags, simulation.victims, phone, (tag.x_m, tag.y_m), seed
+        )
+        ticks = 0
+        while walker.advance():
+            ticks += 1
+            assert ticks < 9000, f"still walking after half an hour; read {walker.read}"
+        led_m.append(min(hypot(v.x_m - walker.x_m, v.y_m - walker.y_m) for v in simulation.victims))
+        assert walker.read[0] == start
+    assert legs >= 2
+    assert max(led_m) < 1.0, led_m
+
+
+def test_the_commander_sees_at_which_tag_a_simulated_responder_is(control, explored, wait_until):
+    simulation, _ = explored
+    line, stop = control.line("walked"), Event()
+    reachable = {
+        v["victim_id"] for v in line.control.call("GET", "/where/BASE?mission=walked").json()["victims"]
+    }
+    assert reachable
+    responder = Responder(simulation, f"http://127.0.0.1:{control.port}", "walked", "Kim", 60.0, stop)
+    responder.start()
+    try:
+        wait_until(lambda: responder.reached, 40.0)
+        with line.stream() as stream:
+            (person,) = stream.kind("responder")
+    finally:
+        stop.set()
+        responder.join()
+    assert responder.reached <= reachable
+    tags = [report["body"]["tag_id"] for report in line.get("/reports")["reports"]]
+    assert person["name"] == "Kim (sent by operator)"
+    assert person["tag_id"] == tags[0]
+    assert "BASE" in tags
+    assert time.time() - person["unix_s"] < 60.0

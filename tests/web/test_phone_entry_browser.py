@@ -1,0 +1,101 @@
+"""Saying which tag one is at: by the camera on a printed label, or by its number as people type it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from PIL import Image
+from playwright.sync_api import Browser, BrowserContext, Page, expect
+
+from robots.tags.short_id import short_id
+from server.labels import Sheet, sheets
+from tests.web.camera_film import write_film
+from tests.web.conftest import CHROMIUM
+
+SOON_MS = 15_000
+PHONE = {"width": 390, "height": 844}
+
+
+def label(tag_id: str, site: str) -> Image.Image:
+    """A label as it is printed."""
+    figure = next(sheets([tag_id], site, Sheet()))
+    figure.set_dpi(150)
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    sheet = Image.fromarray(np.asarray(canvas.buffer_rgba()))
+    return sheet.crop((0, 0, sheet.width // 2, sheet.height // 4))
+
+
+@pytest.fixture
+def before_camera(browser: Browser) -> Iterator[Any]:
+    """Return a function that opens a browser whose camera looks at a picture."""
+    opened = []
+
+    def open_before(path: Path, picture: Image.Image) -> Browser:
+        write_film(path, [picture])
+        flags = [
+            "--no-sandbox",
+            "--use-fake-device-for-media-stream",
+            f"--use-file-for-fake-video-capture={path}",
+        ]
+        opened.append(browser.browser_type.launch(executable_path=CHROMIUM, args=flags))
+        return opened[-1]
+
+    yield open_before
+    for each in opened:
+        each.close()
+
+
+def at_the_door(context: BrowserContext, host: str) -> Page:
+    page = context.new_page()
+    page.goto(f"http://{host}/t")
+    page.get_by_role("button", name="Scan a label").click()
+    return page
+
+
+def test_the_camera_on_a_printed_label_opens_its_tag(drill: Any, before_camera: Any, tmp_path: Path) -> None:
+    tag_id = drill["tags"][0]
+    camera = before_camera(tmp_path / "film.y4m", label(tag_id, f"http://{drill['host']}"))
+    page = at_the_door(camera.new_context(viewport=PHONE, permissions=["camera"]), drill["host"])
+    expect(page.get_by_role("heading", name=f"Tag {tag_id}")).to_be_visible(timeout=SOON_MS)
+    assert page.url.endswith(f"/t/{tag_id}")
+
+    refused = at_the_door(camera.new_context(viewport=PHONE), drill["host"])
+    expect(refused.get_by_role("alert")).to_contain_text("The camera may not be used here.", timeout=SOON_MS)
+    expect(refused.get_by_label("The number on the tag")).to_be_visible()
+
+
+def test_a_label_of_another_server_is_asked_about(drill: Any, before_camera: Any, tmp_path: Path) -> None:
+    tag_id = drill["tags"][0]
+    camera = before_camera(tmp_path / "film.y4m", label(tag_id, "https://usar.example"))
+    page = at_the_door(camera.new_context(viewport=PHONE, permissions=["camera"]), drill["host"])
+    expect(page.get_by_role("alert")).to_contain_text("for another server, usar.example", timeout=SOON_MS)
+    page.get_by_role("button", name=f"Open our {tag_id}").click()
+    expect(page.get_by_role("heading", name=f"Tag {tag_id}")).to_be_visible(timeout=SOON_MS)
+
+
+def test_numbers_are_understood_as_people_type_them(drill: Any, browser: Browser) -> None:
+    tag_id = drill["tags"][0]
+    context = browser.new_context(viewport=PHONE)
+    context.add_init_script("Object.defineProperty(navigator, 'mediaDevices', { value: undefined })")
+    page = at_the_door(context, drill["host"])  # as on a page without https
+    expect(page.get_by_role("alert")).to_contain_text(
+        "keeps the camera for pages with https", timeout=SOON_MS
+    )
+    number = page.get_by_label("The number on the tag")
+    written = short_id(tag_id)
+    assert written is not None
+    wrong = written[:-1] + ("0" if written[-1] != "0" else "2")
+    number.fill(wrong)
+    page.get_by_role("button", name="Where am I?").click()
+    expect(page.get_by_role("alert")).to_contain_text(re.compile(f"No tag here has the number {wrong}"))
+    number.fill(written.lower().replace("-", " "))
+    page.get_by_role("button", name="Where am I?").click()
+    expect(page.get_by_role("heading", name=f"Tag {tag_id}")).to_be_visible(timeout=SOON_MS)
+    context.close()

@@ -1,0 +1,42 @@
+"""Scripts of the phone that have a twin in Python, run in a browser on the vectors that both are held to."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from fastapi import FastAPI
+from playwright.sync_api import Browser, Page
+
+from web.mount import mount_web
+
+VECTORS = Path(__file__).parents[1] / "vectors"
+
+
+@pytest.fixture
+def page(browser: Browser, serve: Any) -> Iterator[Page]:
+    """A page from which the scripts can be imported."""
+    app = FastAPI()
+    mount_web(app)
+    context = browser.new_context()
+    page = context.new_page()
+    page.goto(f"http://{serve(app)}/static/logo.svg")
+    yield page
+    context.close()
+
+
+def test_short_ids_are_those_of_the_server(page: Page) -> None:
+    vectors = json.loads((VECTORS / "short_ids.json").read_text())
+    made = page.evaluate(
+        """async ({short_ids, tags, typed}) => {
+          const { shortId, understood } = await import("/static/phone/short_id.js");
+          const written = Object.keys(short_ids).map((id) => [id, shortId(id)]);
+          return [Object.fromEntries(written), typed.map((row) => understood(row.typed, tags))];
+        }""",
+        vectors,
+    )
+    assert made[0] == vectors["short_ids"]
+    assert made[1] == [{"tagIds": row["tag_ids"], "trouble": row["trouble"]} for row in vectors["typed"]]

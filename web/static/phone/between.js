@@ -1,0 +1,88 @@
+/**
+ * Where this phone is between tags: steps counted and the compass followed from the tag read last, with an error that grows.
+ * Phones tell no signal strengths to pages, so ranging to radio nodes is for devices that post what they hear to the server.
+ */
+
+import { state } from "./state.js";
+
+/** North and west of the mission's frame, metres; `sd_m` along each axis. @typedef {{x_m: number, y_m: number, sd_m: number, steps: number}} Place */
+
+const STEP_M = 0.7; // of somebody in gear, Weinberg 2002 gives 0.6 to 0.8
+const STEP_SD = 0.15; // share of the way: length of a step, and steps missed
+const HEADING_SD = 0.25; // rad: compass indoors, and how the phone is held
+const GRAVITY = 9.81;
+const PEAK = 1.2; // m/s2 above rest that a step makes
+const REST = 0.3;
+const SHORTEST_MS = 280; // between steps
+
+/** Tells steps from the acceleration of a phone: a peak after a rest, not sooner than people walk. */
+export class StepCounter {
+  constructor() {
+    this.smooth = GRAVITY;
+    this.isUp = false;
+    this.last_ms = -Infinity;
+  }
+
+  /** @param {number} x @param {number} y @param {number} z m/s2, gravity included @param {number} now_ms @returns {boolean} whether this ends a step */
+  feel(x, y, z, now_ms) {
+    this.smooth += 0.35 * (Math.hypot(x, y, z) - this.smooth); // what shakes faster than a step does not count
+    const over = this.smooth - GRAVITY;
+    if (over < REST) this.isUp = false;
+    if (over < PEAK || this.isUp || now_ms - this.last_ms < SHORTEST_MS) return false;
+    this.isUp = true;
+    this.last_ms = now_ms;
+    return true;
+  }
+}
+
+/** A way walked from a tag on. */
+export class Walk {
+  /** @param {{x_m: number, y_m: number, sd_m: number}} tag */
+  constructor(tag) {
+    this.start = tag;
+    this.x_m = tag.x_m;
+    this.y_m = tag.y_m;
+    this.steps = 0;
+    this.along_m = 0;
+  }
+
+  /** @param {number} heading degrees from north */
+  step(heading) {
+    const angle = (heading * Math.PI) / 180;
+    this.x_m += STEP_M * Math.cos(angle);
+    this.y_m -= STEP_M * Math.sin(angle);
+    this.steps += 1;
+    this.along_m += STEP_M;
+  }
+
+  /** Errors of a heading and of a step's length last, so they grow with the way, not with its root. @returns {Place} */
+  get place() {
+    const sd_m = Math.hypot(this.start.sd_m, STEP_SD * this.along_m, HEADING_SD * this.along_m);
+    return { x_m: this.x_m, y_m: this.y_m, sd_m, steps: this.steps };
+  }
+}
+
+const counter = new StepCounter();
+/** @type {{tagId: string, walk: Walk} | null} */
+let now = null;
+
+/** Where the phone is by its own steps; null where it cannot tell. @returns {Place | null} */
+export function placeNow() {
+  return now && now.tagId === state.tagId && now.walk.steps ? now.walk.place : null;
+}
+
+/** Begin at the tag that was read. */
+export function begin() {
+  const tag = state.roads?.tags[state.roads.numbers.get(state.tagId) ?? -1];
+  now = tag ? { tagId: state.tagId, walk: new Walk(tag) } : null;
+}
+
+/** Count steps from now on. @param {() => void} onStep */
+export function countSteps(onStep) {
+  addEventListener("devicemotion", ({ accelerationIncludingGravity: felt }) => {
+    if (!now || state.heading === null || !felt || felt.x === null || felt.y === null || felt.z === null) return;
+    if (!counter.feel(felt.x, felt.y, felt.z, performance.now())) return;
+    now.walk.step(state.heading);
+    onStep();
+  });
+}

@@ -1,0 +1,55 @@
+/** Which tag is meant by what was touched, scanned or typed; and going there. */
+
+import { missions } from "./pockets.js";
+import { read } from "./reach.js";
+import { understood } from "./short_id.js";
+import { changed, state } from "./state.js";
+import { say } from "./texts.js";
+import { touch } from "./touch.js";
+
+/**
+ * A tag's link, as a chip or a label has it.
+ * @param {string} text
+ * @returns {{tagId: string, host: string} | null}
+ */
+export function tagOfLink(text) {
+  const parts = /^https?:\/\/([^/?#]+)\/t\/([^/?#]+)$/i.exec(text.trim());
+  if (!parts) return null;
+  try {
+    return { host: parts[1].toLowerCase(), tagId: decodeURIComponent(parts[2]) };
+  } catch {
+    return null;
+  }
+}
+
+/** Go to the tag of a link. A link of another server is asked about: its tag may be a namesake. @param {string} text */
+export function followLink(text) {
+  const link = tagOfLink(text);
+  if (link === null) return false;
+  if (link.host === location.host) touch(link.tagId);
+  else ask({ foreign: link });
+  return true;
+}
+
+/** @param {Partial<typeof state>} change something to be seen at the top of the page */
+function ask(change) {
+  changed({ trouble: "", choices: [], foreign: null, ...change });
+  scrollTo(0, 0);
+}
+
+/** Go to the tag whose number somebody typed: one that the phone knows, else one that the server knows. @param {string} typed */
+export async function goToTyped(typed) {
+  if (followLink(typed)) return;
+  const here = understood(typed, missions().flatMap(({ tag_ids }) => tag_ids));
+  const there = here.tagIds.length ? null : await read(`/where?${new URLSearchParams({ typed })}`);
+  const { tag_ids: found, trouble } = there ?? { tag_ids: here.tagIds, trouble: here.trouble };
+  if (found.length === 1) touch(found[0]);
+  else if (found.length > 1) ask({ choices: found });
+  else ask({ trouble: say(trouble === "unknown" ? "number_unknown" : "number_mistyped", { typed }) });
+}
+
+/** @param {string} text what a QR code says */
+export function goToScanned(text) {
+  state.scanning = false;
+  if (!followLink(text)) ask({ trouble: say("not_a_tag", { text: text.slice(0, 60) }) });
+}

@@ -1,0 +1,139 @@
+/** Reports that wait for the server: kept until it has said that it has them, sent the most important first. */
+
+import { newId } from "../console/notes.js";
+import { all, drop, put } from "./kept.js";
+import { ask, missionPath, onReach, reach, reasonOf } from "./reach.js";
+
+/** `n`: in which order they were made; `refused`: the server's words where it will not have it.
+ * @typedef {{id: string, n: number, mission_id: string, kind: string, body: Record<string, any>, made_by: string, phone_unix_s: number,
+ *   offset_s: number | null, tries: number, due_ms: number, refused: string, is_kept: boolean}} Report */
+
+const FIRST_MS = 1000;
+const LONGEST_MS = 60_000;
+const PHOTO_MS = 120_000; // of 300 kB over a bad link
+const REFUSALS = [404, 409, 413, 415, 422];
+/** @type {Record<string, number>} */
+const URGENCY = { mayday: 0, heard: 1, victim: 2, hazard: 3, note: 4, searched: 4, photo: 5, at: 6 };
+
+/** @type {Map<string, Report>} */
+const reports = new Map();
+/** @type {(() => void)[]} */
+const watchers = [];
+let sending = false;
+let timer = 0;
+
+/** @param {() => void} watch called when a report was added, sent or refused */
+export function onOutbox(watch) {
+  watchers.push(watch);
+}
+
+const changed = () => watchers.forEach((watch) => watch());
+
+/** @param {Report} report */
+const urgencyOf = ({ kind, body }) => URGENCY[kind === "note" ? body.note : kind] ?? 9;
+
+/** Reports of this phone that the server does not have, the most important first. @returns {Report[]} */
+export const waiting = () => [...reports.values()].sort((a, b) => urgencyOf(a) - urgencyOf(b) || a.n - b.n);
+
+/** Whether reports are lost when the page is closed, because the phone's storage is full. */
+export const isFull = () => [...reports.values()].some(({ is_kept }) => !is_kept);
+
+/** Read what waits from an earlier time, and begin to send. */
+export async function openOutbox() {
+  for (const report of await all("outbox").catch(() => [])) if (!reports.has(report.id)) reports.set(report.id, report);
+  addEventListener("online", sendNow);
+  document.addEventListener("visibilitychange", () => document.visibilityState === "visible" && sendNow());
+  let was = reach.inReach;
+  onReach(() => {
+    if (reach.inReach && !was) sendNow();
+    was = reach.inReach;
+  });
+  changed();
+  sendNow();
+}
+
+/**
+ * Take a report: it is on the phone when this returns, or in its memory where the storage is full.
+ * @param {string} kind
+ * @param {string} missionId
+ * @param {Record<string, any>} body
+ */
+export async function add(kind, missionId, body) {
+  const n = Math.max(0, ...[...reports.values()].map((report) => report.n)) + 1;
+  /** @type {Report} */
+  const report = { id: newId(), n, mission_id: missionId, kind, body, made_by: reach.me?.name ?? "", phone_unix_s: Date.now() / 1000,
+    offset_s: reach.offset_s, tries: 0, due_ms: 0, refused: "", is_kept: true };
+  if (kind === "at") { // only the last place counts
+    for (const old of reports.values()) if (old.kind === "at" && old.mission_id === missionId) await forget(old.id);
+  }
+  reports.set(report.id, report);
+  await keep(report);
+  changed();
+  flush();
+  return report;
+}
+
+/** @param {Report} report */
+async function keep(report) {
+  report.is_kept = await put("outbox", { ...report, is_kept: true }).then(() => true, () => false);
+}
+
+/** Let go of a report: the server has it, or its writer does not want it any more. @param {string} id */
+export async function forget(id) {
+  reports.delete(id);
+  await drop("outbox", id).catch(() => undefined);
+}
+
+/** Try everything now, also what was refused. */
+export function sendNow() {
+  for (const report of reports.values()) Object.assign(report, { due_ms: 0, refused: "" });
+  return flush();
+}
+
+async function flush() {
+  if (sending) return;
+  sending = true;
+  clearTimeout(timer);
+  try {
+    for (let report = due(); report; report = due()) if (!(await send(report))) break;
+  } finally {
+    sending = false;
+  }
+  for (const report of reports.values()) if (!report.is_kept) await keep(report);
+  changed();
+  const next = Math.min(...waiting().filter(({ refused }) => !refused).map(({ due_ms }) => due_ms));
+  if (next < Infinity) timer = setTimeout(flush, Math.max(50, next - Date.now()));
+}
+
+const due = () => waiting().find(({ refused, due_ms }) => !refused && due_ms <= Date.now());
+
+/** @param {Report} report */
+function request(report) {
+  const { id, kind, body, made_by, phone_unix_s, offset_s } = report;
+  const path = missionPath(report.mission_id);
+  if (kind === "photo") {
+    const { picture, tag_id, text } = body;
+    const query = new URLSearchParams({ photo_id: id, tag_id, text, taken_unix_s: String(phone_unix_s + (offset_s ?? 0)) });
+    return ask("POST", `${path}/photos?${query}`, { headers: { "Content-Type": picture.type }, body: picture }, PHOTO_MS);
+  }
+  const words = { kind, made_by, phone_unix_s, offset_s, sent_phone_unix_s: Date.now() / 1000, ...body };
+  return ask("PUT", `${path}/reports/${id}`, { headers: { "Content-Type": "application/json" }, body: JSON.stringify(words) });
+}
+
+/** @param {Report} report @returns {Promise<boolean>} whether it makes sense to go on with the next */
+async function send(report) {
+  const response = await request(report);
+  if (response?.ok) {
+    await forget(report.id);
+    changed();
+    return true;
+  }
+  if (response && REFUSALS.includes(response.status)) {
+    report.refused = await reasonOf(response);
+    await keep(report);
+    return true;
+  }
+  report.tries += 1;
+  report.due_ms = Date.now() + Math.min(LONGEST_MS, FIRST_MS * 2 ** Math.min(report.tries - 1, 10)) * (0.5 + Math.random());
+  return response !== null && response.status === 403; // another may be allowed
+}

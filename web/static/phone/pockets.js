@@ -1,0 +1,85 @@
+/** The missions on this phone: which one a tag belongs to, and getting the newest of each while the server is in reach. */
+
+import { all, drop, put } from "./kept.js";
+import { ask, missionPath, now_s, read } from "./reach.js";
+
+/** @import {Pocket} from "./types.js" */
+/** `as_of_s`: when the server said that this is the latest, by its own clock. @typedef {{mission_id: string, mission_name: string, state: string,
+ *   created_unix_s: number, etag: string, text: string, as_of_s: number, tag_ids: string[]}} Kept */
+
+const MOST = 4; // missions on a phone
+
+/** @type {Map<string, Kept>} */
+const kept = new Map();
+/** @type {{text: string, pocket: Pocket} | null} */
+let parsed = null;
+export const pockets = { isFull: false };
+
+/** Read what the phone has. A storage that cannot be read is an empty one. */
+export async function openPockets() {
+  for (const item of await all("pockets").catch(() => [])) kept.set(item.mission_id, item);
+}
+
+/** Missions that may be meant, first the one that is most likely: running, then the latest. */
+export function missions() {
+  return [...kept.values()].sort((a, b) => Number(b.state === "running") - Number(a.state === "running") || b.created_unix_s - a.created_unix_s);
+}
+
+/** @param {string} tagId @param {string | null} missionId only this one, if told @returns {Kept | null} */
+export function missionOf(tagId, missionId) {
+  return missions().find((item) => item.tag_ids.includes(tagId) && (!missionId || item.mission_id === missionId)) ?? null;
+}
+
+/** @param {Kept} item @returns {Pocket} */
+export function open(item) {
+  if (parsed?.text !== item.text) parsed = { text: item.text, pocket: JSON.parse(item.text) };
+  return parsed.pocket;
+}
+
+/** @param {string} missionId */
+export const keptOf = (missionId) => kept.get(missionId) ?? null;
+
+/** Get the newest of a mission. @param {string} missionId @returns {Promise<"same" | "new" | "failed">} */
+export async function refresh(missionId) {
+  const known = kept.get(missionId);
+  const headers = known ? { "If-None-Match": known.etag } : undefined;
+  const response = await ask("GET", `${missionPath(missionId)}/pocket`, { headers });
+  if (response?.status === 304 && known) {
+    await keep({ ...known, as_of_s: now_s() });
+    return "same";
+  }
+  if (!response?.ok) return "failed";
+  try {
+    const text = await response.text();
+    /** @type {Pocket} */
+    const pocket = JSON.parse(text);
+    parsed = { text, pocket };
+    const { mission_id, mission_name, state, created_unix_s, tags } = pocket;
+    await keep({ mission_id, mission_name, state, created_unix_s, etag: response.headers.get("ETag") ?? "", text, as_of_s: now_s(),
+      tag_ids: tags.map(({ tag_id }) => tag_id) });
+    return "new";
+  } catch {
+    return "failed"; // it broke off on the way: what was there stays
+  }
+}
+
+/** Get all missions that run, so that any of their tags is known here later. */
+export async function refreshAll() {
+  const found = await read("/missions");
+  if (!found) return;
+  /** @type {{mission_id: string, state: string, created_unix_s: number}[]} */
+  const running = found.missions.filter((/** @type {{state: string}} */ { state }) => state === "running");
+  running.sort((a, b) => b.created_unix_s - a.created_unix_s);
+  for (const { mission_id } of running.slice(0, MOST)) await refresh(mission_id);
+}
+
+/** @param {Kept} item */
+async function keep(item) {
+  kept.set(item.mission_id, item);
+  for (const old of missions().slice(MOST)) {
+    if (old.mission_id === item.mission_id) continue;
+    kept.delete(old.mission_id);
+    await drop("pockets", old.mission_id).catch(() => undefined);
+  }
+  await put("pockets", item).then(() => (pockets.isFull = false), () => (pockets.isFull = true));
+}

@@ -1,0 +1,104 @@
+/** Asking the server, whether it is in reach, who is logged in, and what time it has: a phone's clock may be days off. */
+
+/** @typedef {{name: string, role: string}} Me */
+
+const TIMEOUT_MS = 8000;
+const OFFSET = "waymark.offset";
+const ME = "waymark.me";
+
+/** @param {string} name @returns {any} */
+function remembered(name) {
+  try {
+    return JSON.parse(localStorage.getItem(name) ?? "null");
+  } catch {
+    return null;
+  }
+}
+
+/** @param {string} name @param {unknown} value */
+export function remember(name, value) {
+  try {
+    localStorage.setItem(name, JSON.stringify(value));
+  } catch {
+    // the storage is full: it is known until the page is closed
+  }
+}
+
+export const reach = {
+  /** Whether the last request was answered; null before the first. @type {boolean | null} */ inReach: null,
+  isLoggedOut: false,
+  /** Who logged in here last: what is written is signed with that name. @type {Me | null} */ me: remembered(ME),
+  /** The server's time less this phone's, in seconds; null until it has answered once. @type {number | null} */
+  offset_s: remembered(OFFSET),
+};
+
+/** @type {(() => void)[]} */
+const watchers = [];
+
+/** @param {() => void} watch called when something of the above has changed */
+export function onReach(watch) {
+  watchers.push(watch);
+}
+
+/** @param {Partial<typeof reach>} change */
+function note(change) {
+  const isNew = Object.entries(change).some(([name, value]) => reach[/** @type {keyof typeof reach} */ (name)] !== value);
+  Object.assign(reach, change);
+  if (isNew) for (const watch of watchers) watch();
+}
+
+/** The server's time in Unix seconds, as far as this phone knows it. */
+export const now_s = () => Date.now() / 1000 + (reach.offset_s ?? 0);
+
+/**
+ * @param {string} method
+ * @param {string} path under /api/v1
+ * @param {{body?: BodyInit, headers?: Record<string, string>}} [more]
+ * @param {number} [timeout_ms]
+ * @returns {Promise<Response | null>} the answer, whatever its status; null when there was none
+ */
+export async function ask(method, path, more = {}, timeout_ms = TIMEOUT_MS) {
+  const sent_ms = Date.now();
+  try {
+    const response = await fetch(`/api/v1${path}`, { method, ...more, signal: AbortSignal.timeout(timeout_ms) });
+    learnTime(response.headers.get("Date"), sent_ms);
+    note({ inReach: response.status < 502, isLoggedOut: response.status === 401 || (reach.isLoggedOut && response.status === 403) });
+    return response.status < 502 ? response : null;
+  } catch {
+    note({ inReach: false });
+    return null;
+  }
+}
+
+/** The header has whole seconds: half of one is added, and only what is off by more is learnt. @param {string | null} date @param {number} sent_ms */
+function learnTime(date, sent_ms) {
+  const server_ms = Date.parse(date ?? "") + 500;
+  if (Number.isNaN(server_ms)) return;
+  const offset_s = (server_ms - (sent_ms + Date.now()) / 2) / 1000;
+  if (reach.offset_s !== null && Math.abs(offset_s - reach.offset_s) < 1) return;
+  note({ offset_s });
+  remember(OFFSET, offset_s);
+}
+
+/** @param {string} path @returns {Promise<any>} the JSON of a good answer, else null */
+export async function read(path) {
+  const response = await ask("GET", path);
+  return response?.ok ? response.json().catch(() => null) : null;
+}
+
+/** The sentence of a refusal. @param {Response} response @returns {Promise<string>} */
+export async function reasonOf(response) {
+  const body = await response.json().catch(() => null);
+  return String(body?.error?.message ?? response.status);
+}
+
+/** Ask who is logged in. */
+export async function askWho() {
+  const me = await read("/session");
+  if (!me) return;
+  note({ me: { name: me.name, role: me.role }, isLoggedOut: false });
+  remember(ME, reach.me);
+}
+
+/** @param {string} missionId */
+export const missionPath = (missionId) => `/missions/${encodeURIComponent(missionId)}`;

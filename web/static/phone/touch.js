@@ -1,0 +1,155 @@
+/** A tag was read: answer from what the phone carries, at once; then ask for the newest. */
+
+import { begin } from "./between.js";
+import { askMemory } from "./memory_view.js";
+import { add, onOutbox, waiting } from "./outbox.js";
+import { keptOf, missionOf, missions, open, refresh, refreshAll } from "./pockets.js";
+import { reach, read, remember } from "./reach.js";
+import { Roads } from "./roads.js";
+import { changed, missionId, state } from "./state.js";
+import { language, say } from "./texts.js";
+import { routeTo, whereIs } from "./where.js";
+
+/** @import {Pocket, PocketNote} from "./types.js" */
+
+const FRESH_MS = 15_000;
+const TARGET = "waymark.target"; // where this phone is being led
+const LAST = "waymark.last";
+
+/** @param {string} name @returns {any} */
+function remembered(name) {
+  try {
+    return JSON.parse(localStorage.getItem(name) ?? "null");
+  } catch {
+    return null;
+  }
+}
+
+/** Where this phone is being led: kept over reloads, none when it is another mission's.
+ * @returns {{mission: string, to: string, whole_m: number} | null} */
+export function target() {
+  const kept = remembered(TARGET);
+  return kept && kept.mission === state.where?.mission_id ? kept : null;
+}
+
+/** @param {string | null} to `victim:ID`, `tag:ID`, `note:ID`, or nowhere any more */
+export function lead(to) {
+  if (to === null || !state.where) localStorage.removeItem(TARGET);
+  else remember(TARGET, { mission: state.where.mission_id, to, whole_m: 0 });
+  state.trouble = "";
+  answer();
+  const goal = target();
+  if (goal && state.route) remember(TARGET, { ...goal, whole_m: state.route.distance_m });
+  changed();
+  scrollTo(0, 0);
+}
+
+/**
+ * A tag was read, by whatever means.
+ * @param {string} tagId
+ * @param {string | null} [mission] the one it is of, where the link says so
+ * @param {boolean} [isBack] the page's own history led here
+ */
+export async function touch(tagId, mission = null, isBack = false) {
+  const known = remembered(LAST);
+  const before = known && known.tag !== tagId ? known.tag : known?.before ?? "";
+  const address = tagId ? `/t/${encodeURIComponent(tagId)}${mission ? `?mission=${encodeURIComponent(mission)}` : ""}` : "/phone";
+  if (!isBack && location.pathname + location.search !== address) history.pushState(null, "", address);
+  wanted = mission;
+  changed({ tagId, before, where: null, route: null, said: "", trouble: "", form: "", scanning: false, foreign: null, choices: [] });
+  if (!tagId) return;
+  remember(LAST, { tag: tagId, before });
+  answer();
+  begin();
+  changed();
+  if (!state.where) await askServer();
+  else if (reach.inReach !== false) await renew();
+  const mission_id = missionId();
+  if (state.tagId !== tagId || !state.where) return;
+  add("at", mission_id, { tag_id: tagId });
+  askMemory(mission_id, tagId);
+}
+
+/** @type {string | null} */
+let wanted = null;
+
+/** Answer from what the phone carries. */
+export function answer() {
+  const item = missionOf(state.tagId, wanted) ?? (state.tagId ? null : missions()[0]);
+  if (!item) return;
+  const pocket = open(item);
+  state.as_of_s = item.as_of_s;
+  if (pocket !== state.pocket || ownNotes(pocket) !== own) {
+    own = ownNotes(pocket);
+    state.pocket = pocket;
+    state.roads = new Roads(pocket, notesWith(pocket));
+    state.evacuation = pocket.evacuation?.ordered ? pocket.evacuation : null;
+  }
+  if (!state.roads) return;
+  state.where = whereIs(pocket, state.roads, state.tagId);
+  const goal = target();
+  state.route = goal ? routeTo(pocket, state.roads, state.tagId, goal.to) : null;
+  if (goal && !state.route) state.trouble = say("no_way_there");
+  else if (state.trouble === say("no_way_there")) state.trouble = "";
+}
+
+let own = "";
+
+/** Names of the notes that the server does not have yet: with another set, roads are others. @param {Pocket} pocket */
+const ownNotes = (pocket) => waiting().filter(({ kind, mission_id }) => kind === "note" && mission_id === pocket.mission_id).map(({ id }) => id).join();
+
+/** @param {Pocket} pocket @returns {PocketNote[]} */
+function notesWith(pocket) {
+  const places = new Map(pocket.tags.map(({ tag_id, x_m, y_m }) => [tag_id, { x_m, y_m }]));
+  const known = new Set(pocket.notes.map(({ annotation_id }) => annotation_id));
+  const mine = waiting().filter(({ id, kind, mission_id }) => kind === "note" && mission_id === pocket.mission_id && !known.has(id));
+  return [...pocket.notes, ...mine.map(({ id, body, made_by, phone_unix_s }) => ({
+    annotation_id: id, kind: body.note, text: body.text, tag_id: body.tag_id, x_m: null, y_m: null, area_m: [], by: made_by,
+    changed_unix_s: phone_unix_s, ends: [], ...places.get(body.tag_id),
+  }))];
+}
+
+/** The phone does not know this tag: the server may. */
+async function askServer() {
+  const query = new URLSearchParams({ language: language(), ...(wanted ? { mission: wanted } : {}) });
+  const found = await read(`/where/${encodeURIComponent(state.tagId)}?${query}`);
+  if (found && found.tag_id === state.tagId) {
+    changed({ where: found, as_of_s: null });
+    await refresh(found.mission_id);
+    answer();
+    begin();
+    changed();
+    return;
+  }
+  const key = reach.isLoggedOut ? "log_in_to_see" : reach.inReach ? "tag_unknown" : missions().length ? "tag_unknown_here" : "nothing_here";
+  changed({ trouble: say(key, { tag: state.tagId }) });
+}
+
+/** Get the newest of the mission that is shown. */
+async function renew() {
+  const mission = state.where?.mission_id;
+  if (!mission) return;
+  const found = await refresh(mission);
+  if (found !== "failed") state.as_of_s = keptOf(mission)?.as_of_s ?? state.as_of_s;
+  if (found === "new") answer();
+  changed();
+}
+
+/** Go on getting the newest while the page is in sight. */
+export async function keepFresh() {
+  if (document.visibilityState === "visible") {
+    if (state.where) await renew();
+    else await refreshAll();
+    if (state.tagId && !state.where) {
+      answer();
+      if (state.where) state.trouble = "";
+    }
+    changed();
+  }
+  setTimeout(keepFresh, FRESH_MS);
+}
+
+onOutbox(() => {
+  if (state.pocket && ownNotes(state.pocket) !== own) answer();
+  changed();
+});
