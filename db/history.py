@@ -117,6 +117,12 @@ class HistoryStore:
         found: bytes | None = await self._database.read(lambda c: c.execute(query).scalar())
         return found
 
+    async def pictures_of(self, mission_id: str) -> dict[int, bytes]:
+        """Return every picture of a mission's map by version."""
+        maps = history_maps.c
+        query = select(maps.version, maps.png).where(maps.mission_id == mission_id).order_by(maps.version)
+        return await self._database.read(lambda c: {row.version: row.png for row in c.execute(query)})
+
     async def bytes_of(self, mission_id: str) -> int:
         """Return how much the past of a mission takes, in bytes."""
         sums = (

@@ -27,6 +27,7 @@ from server.api import (
     missions,
     observations,
     orders,
+    past_view,
     photos,
     pocket,
     reports,
@@ -65,6 +66,7 @@ def create_app(settings: Settings) -> FastAPI:
         forks = ForkServer()
         app.state.missions = Missions(store, forks, settings, scenes)
         app.state.access = access = Access(store, settings.login == "off", settings.robot_token)
+        app.state.scenes = scenes
         app.state.started_s = time.monotonic()
         try:
             await access.restore()
@@ -124,6 +126,7 @@ def create_app(settings: Settings) -> FastAPI:
         maps,
         best_map,
         stream,
+        past_view,
     ):
         api.include_router(module.router)
     api.include_router(routes.where)

@@ -68,7 +68,7 @@ def mount_proxy(app: FastAPI, scenes: ScenePorts, gate: Gate) -> None:
     viewers: Counter[str] = Counter()
 
     async def page(request: Request, mission_id: str, theme: str = "dark") -> Response:
-        if gate(request, mission_id) is None:
+        if gate(request, _mission_of(mission_id)) is None:
             return PlainTextResponse("Log in first, then open the console again.\n", status_code=401)
         if scenes.port(mission_id, theme) is None:
             return PlainTextResponse(
@@ -82,7 +82,7 @@ def mount_proxy(app: FastAPI, scenes: ScenePorts, gate: Gate) -> None:
 
     async def socket(websocket: WebSocket, mission_id: str, theme: str = "dark") -> None:
         port = scenes.port(mission_id, theme)
-        over = gate(websocket, mission_id)
+        over = gate(websocket, _mission_of(mission_id))
         if port is None or over is None or not same_origin(websocket.headers):
             await websocket.close(1008)  # before accept: the browser sees 403
             return
@@ -99,6 +99,11 @@ def mount_proxy(app: FastAPI, scenes: ScenePorts, gate: Gate) -> None:
         app.add_api_route(f"{address}/", page, methods=["GET", "HEAD"], include_in_schema=False)
         app.add_api_route(address, page_without_slash, methods=["GET", "HEAD"], include_in_schema=False)
         app.add_api_websocket_route(address, socket)
+
+
+def _mission_of(key: str) -> str:
+    """Return whose scene it is: one of a mission's past has a name of its own after an @."""
+    return key.partition("@")[0]
 
 
 def same_origin(headers: Mapping[str, str]) -> bool:

@@ -9,6 +9,7 @@ from fastapi import APIRouter, Depends, Header, Path, Query, Response
 
 from server.api.common import ERRORS, READS, AllMissions, OneMission
 from server.errors import ApiError
+from server.history.film import make_film
 from server.history.past import Past
 from server.people.audit import AuditedRoute
 from server.schemas.history import ChunkOut, HistoryOut, HistoryStateOut
@@ -23,6 +24,9 @@ router = APIRouter(
 _LARGEST = 2**53 - 1
 _FOR_EVER = "private, max-age=31536000, immutable"
 _CHUNK: dict[int | str, dict[str, Any]] = {200: {"content": {"application/json": {}}}}
+_FILM: dict[int | str, dict[str, Any]] = {
+    200: {"content": {"application/octet-stream": {"schema": {"type": "string", "format": "binary"}}}}
+}
 _PNG: dict[int | str, dict[str, Any]] = {
     200: {"content": {"image/png": {"schema": {"type": "string", "format": "binary"}}}}
 }
@@ -92,6 +96,27 @@ async def get_history_state(
         text = "Nothing is known of that moment: it is before the mission's first; GET history tells that."
         raise ApiError(404, "before_the_first", text, "unix_s")
     return HistoryStateOut(unix_s=found[0], state=found[1])
+
+
+@router.get(
+    "/recording.viser",
+    summary="The mission in 3D over time",
+    operation_id="get_recording",
+    response_class=Response,
+    responses=_FILM,
+)
+async def get_recording(mission: OneMission, missions: AllMissions) -> Response:
+    """Return a recording for viser's player, at `/viser/MISSION/?playbackPath=` and this address.
+
+    It takes seconds to minutes; robots and consoles do not notice.
+    """
+    await mission.history.catch_up()
+    film = await make_film(missions.store, mission.mission_id)
+    headers = {
+        "Cache-Control": "no-store",
+        "Content-Disposition": f'attachment; filename="{mission.mission_id}.viser"',
+    }
+    return Response(film, media_type="application/octet-stream", headers=headers)
 
 
 @router.get(

@@ -10,6 +10,7 @@ from fastapi import APIRouter, WebSocket, WebSocketDisconnect
 
 from server.errors import ApiError
 from server.guard import is_same_origin
+from server.mission.mission import Mission
 from server.missions import Missions
 from server.people.access import Access
 from server.people.actor import Actor
@@ -25,21 +26,10 @@ _CODES = {401: _NOT_LOGGED_IN, 403: _FOREIGN, 404: _UNKNOWN}
 @router.websocket("/stream")
 async def stream(websocket: WebSocket, mission_id: str) -> None:
     """Send a snapshot, then coalesced changes, and an empty change each second as a heartbeat."""
-    missions: Missions = websocket.app.state.missions
-    access: Access = websocket.app.state.access
-    if not is_same_origin(websocket.headers):
-        await websocket.close(_FOREIGN, "this page belongs to another server")
+    found = await entered(websocket, mission_id)
+    if found is None:
         return
-    try:
-        actor = access.actor_of(websocket)
-        mission = missions.get(mission_id)
-        if not actor.is_for(mission_id):
-            raise ApiError(403, "other_scope", "This token is for another mission.")
-    except ApiError as error:
-        await websocket.accept()
-        await websocket.close(_CODES[error.status], error.message)
-        return
-    await websocket.accept()
+    mission, actor = found
     listening = asyncio.create_task(_until_over(websocket, actor))
     board = mission.board
     try:
@@ -63,6 +53,26 @@ async def stream(websocket: WebSocket, mission_id: str) -> None:
                 (_NOT_LOGGED_IN, "you have been logged out") if actor.over.is_set() else (1000, None)
             )
             await asyncio.wait_for(websocket.close(code, reason), 1.0)
+
+
+async def entered(websocket: WebSocket, mission_id: str) -> tuple[Mission, Actor] | None:
+    """Accept a socket of those who may see the mission; close any other with the reason, and return None."""
+    missions: Missions = websocket.app.state.missions
+    access: Access = websocket.app.state.access
+    if not is_same_origin(websocket.headers):
+        await websocket.close(_FOREIGN, "this page belongs to another server")
+        return None
+    try:
+        actor = access.actor_of(websocket)
+        mission = missions.get(mission_id)
+        if not actor.is_for(mission_id):
+            raise ApiError(403, "other_scope", "This token is for another mission.")
+    except ApiError as error:
+        await websocket.accept()
+        await websocket.close(_CODES[error.status], error.message)
+        return None
+    await websocket.accept()
+    return mission, actor
 
 
 async def _send(websocket: WebSocket, text: str) -> None:

@@ -8,16 +8,9 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from server.report.html import Html, join, tag
-from web.viser.colors import THEMES, robot_index
+from web.viser.colors import Palette, Rgb
 
-_COLORS = THEMES["daylight"]
-VICTIM_COLORS = {
-    "suspected": "warn",
-    "confirmed": "danger",
-    "reached": "accent",
-    "extricated": "good",
-    "dismissed": "silent",
-}
+_PALETTE = Palette("daylight")  # for paper
 _PAINT = "marking"
 _MARGIN_M = 1.0
 
@@ -26,12 +19,16 @@ Value = Mapping[str, Any]
 
 def color(name: str) -> str:
     """Return a colour of the palette, for paper."""
-    return "#{:02x}{:02x}{:02x}".format(*_COLORS[name])
+    return _code(_PALETTE[name])
 
 
 def robot_color(robot_id: str) -> str:
     """Return a robot's colour, for paper."""
-    return color(f"robot-{robot_index(robot_id) + 1}")
+    return _code(_PALETTE.robot(robot_id))
+
+
+def _code(rgb: Rgb) -> str:
+    return "#{:02x}{:02x}{:02x}".format(*rgb)
 
 
 def data_address(png: bytes) -> str:
@@ -168,7 +165,7 @@ def _mark(place: tuple[float, float], size: float, fill: str, name: str, title: 
 
 def _victim(place: tuple[float, float], size: float, victim: Value, n: int) -> Html:
     x, y = place
-    fill = color(VICTIM_COLORS.get(victim["status"], "silent"))
+    fill = _code(_PALETTE.victim(victim["status"]))
     side = 1.6 * size
     box = tag(
         "rect",

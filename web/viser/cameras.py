@@ -57,6 +57,15 @@ class Cameras:
         above.on_click(lambda _event: self._look(client, _FROM_ABOVE))
         self._look(client, _SLANT)
 
+    def begin_over_all(self) -> None:
+        """Put the camera of whoever comes over all that was drawn."""
+        extent = self._extent()
+        centre = np.append(extent.mean(axis=0), 0.0)
+        distance_m = _MARGIN * float((extent[1] - extent[0]).max())
+        start = self._server.initial_camera
+        start.position = centre + distance_m * np.array((0.0, -_SLANT, 1.0)) / hypot(_SLANT, 1.0)
+        start.look_at = centre
+
     def _extent(self) -> Any:
         """Return the lower and upper corner, shape (2, 2) in metres; a small square if nothing is known."""
         if not np.isfinite(self._low).all():

@@ -6,12 +6,14 @@ import asyncio
 import contextlib
 import io
 import logging
+import math
 import time
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import viser
+from viser.infra import StateSerializer
 
 from web.viser.cameras import Cameras
 from web.viser.colors import Palette
@@ -50,8 +52,9 @@ class Batch:
 class MissionScene:
     """Keeps the latest value of every key and draws what changed, but only while somebody looks."""
 
-    def __init__(self, theme: str = "dark") -> None:
+    def __init__(self, theme: str = "dark", slow_draw_s: float = _SLOW_DRAW_S) -> None:
         palette = Palette(theme)
+        self._slow_draw_s = slow_draw_s
         with contextlib.redirect_stdout(io.StringIO()):  # its banner names a port that users must not go to
             self._server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
         self.port = self._server.get_port()
@@ -69,7 +72,7 @@ class MissionScene:
         self._values: dict[str, Value] = {}
         self._changed: set[str] = set()
         self._grid: Grid | None = None
-        self._slow_drawn_s = 0.0
+        self._slow_drawn_s = -math.inf
         _light(self._server.scene, palette)
         # Sharing would open a tunnel to a public host; the proxy drops the request as well.
         self._server.gui.configure_theme(dark_mode=theme == "dark", show_logo=False, show_share_button=False)
@@ -89,7 +92,24 @@ class MissionScene:
         for key in self._values.keys() - values.keys():
             self.put(key, None)
         for key, value in values.items():
-            self.put(key, value)
+            if self._values.get(key) != value:
+                self.put(key, value)
+
+    def show(self, values: dict[str, Value], grid: Grid | None) -> None:
+        """Draw a state at once, whether due or not; ``grid`` where the map is another than before."""
+        self.replace(values)
+        if grid is not None:
+            self._grid = grid
+        self._slow_drawn_s = -math.inf
+        self.draw(self.take(0.0))
+
+    def serializer(self) -> StateSerializer:
+        """Return what records the scene from now on; see viser's ``get_scene_serializer``."""
+        return self._server.get_scene_serializer()
+
+    def look_from_above(self) -> None:
+        """Let who opens the scene look at all of it, at a slant."""
+        self._cameras.begin_over_all()
 
     def update_map(self, cells: Cells, origin_m: tuple[float, float], resolution_m: float) -> None:
         """Take the fused map: ``cells`` int8 (h, w), -1 unknown, 0..100; cell (0, 0) at ``origin_m``."""
@@ -107,9 +127,13 @@ class MissionScene:
             except Exception:  # the next change may well be drawable, and the plan does not need us
                 _log.exception("The 3D scene could not be drawn.")
 
+    def is_slow_due(self, now_s: float) -> bool:
+        """Say whether map, trails and tags are drawn by the next ``take``."""
+        return now_s - self._slow_drawn_s >= self._slow_draw_s
+
     def take(self, now_s: float) -> Batch:
         """Return what is due and count it as drawn. Called in the thread of ``put``, so they never cross."""
-        is_slow_due = now_s - self._slow_drawn_s >= _SLOW_DRAW_S
+        is_slow_due = self.is_slow_due(now_s)
         changed = {key for key in self._changed if is_slow_due or key.startswith(_FAST)}
         self._changed -= changed
         tags, nodes, grid = None, None, None

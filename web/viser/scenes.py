@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import asyncio
+import secrets
 from collections.abc import AsyncIterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
 from web.viser.colors import THEMES
-from web.viser.map_layer import Cells
+from web.viser.map_layer import Cells, Grid
 from web.viser.scene import MissionScene
+
+MAX_PAST_SCENES = 12
 
 
 class Board(Protocol):
@@ -20,6 +23,18 @@ class Board(Protocol):
 
     def subscribe(self) -> AsyncIterator[tuple[Mapping[str, dict[str, Any]], Sequence[str]]]:
         """Return an iterator of changes: values that were set, keys that were deleted."""
+
+
+class PastScene:
+    """A scene of one viewer's own, that shows what it is told to; ``key`` stands for it in addresses."""
+
+    def __init__(self, mission_id: str, theme: str) -> None:
+        self.key = f"{mission_id}@{secrets.token_hex(12)}"  # no mission's id holds an @
+        self.scene = MissionScene(theme)
+
+    async def show(self, state: dict[str, dict[str, Any]], grid: Grid | None) -> None:
+        """Draw a state of the board, and its map where that is another than before."""
+        await asyncio.to_thread(self.scene.show, state, grid)
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,6 +50,7 @@ class Scenes:
 
     def __init__(self) -> None:
         self._running: dict[str, _Running] = {}
+        self._past: dict[str, PastScene] = {}
 
     async def start(self, mission_id: str, board: Board) -> None:
         """Open a scene for the mission and keep it in step with the board; a second call changes nothing."""
@@ -46,7 +62,10 @@ class Scenes:
         self._running[mission_id] = _Running(scenes, tasks)
 
     def port(self, mission_id: str, theme: str = "dark") -> int | None:
-        """Return the loopback port of a mission's scene in a theme, or None when it has none."""
+        """Return the loopback port of a scene, of a mission in a theme or of its past; None for none."""
+        if past := self._past.get(mission_id):
+            port: int = past.scene.port
+            return port
         running = self._running.get(mission_id)
         scene = running.scenes.get(theme) if running else None
         return scene.port if scene else None
@@ -69,8 +88,22 @@ class Scenes:
         await asyncio.gather(*running.tasks, return_exceptions=True)
         await asyncio.gather(*(asyncio.to_thread(scene.stop) for scene in running.scenes.values()))
 
+    def open_past(self, mission_id: str, theme: str) -> PastScene | None:
+        """Open a scene for somebody who looks at a mission's past; None where there are too many."""
+        if len(self._past) >= MAX_PAST_SCENES:
+            return None
+        scene = PastScene(mission_id, theme if theme in THEMES else "dark")
+        self._past[scene.key] = scene
+        return scene
+
+    async def close_past(self, scene: PastScene) -> None:
+        """Close a scene of the past."""
+        self._past.pop(scene.key, None)
+        await asyncio.to_thread(scene.scene.stop)
+
     async def close(self) -> None:
         """Close every scene."""
+        await asyncio.gather(*(self.close_past(scene) for scene in tuple(self._past.values())))
         await asyncio.gather(*(self.stop(mission_id) for mission_id in tuple(self._running)))
 
 

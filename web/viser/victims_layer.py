@@ -18,13 +18,19 @@ class VictimsLayer:
         self._palette = palette
         self._scene = server.scene
         self._names: dict[str, str] = {}
+        self._drawn: dict[str, tuple[object, ...]] = {}
 
     def put(self, victim_id: str, victim: dict[str, Any] | None) -> None:
         """Draw a victim of the board, or remove it."""
         name = self._names.setdefault(victim_id, f"/victims/{len(self._names) + 1}")
         if victim is None:
+            self._drawn.pop(victim_id, None)
             self._scene.remove_by_name(name)
             return
+        looks = (victim["x_m"], victim["y_m"], victim["status"], f"{victim['confidence']:.0%}")
+        if self._drawn.get(victim_id) == looks:  # it was only seen once more
+            return
+        self._drawn[victim_id] = looks
         color = self._palette.victim(victim["status"])
         self._scene.add_frame(name, show_axes=False, position=(victim["x_m"], victim["y_m"], 0.0))
         self._scene.add_cylinder(
@@ -33,7 +39,7 @@ class VictimsLayer:
         self._scene.add_icosphere(
             f"{name}/head", 0.26, color, position=(0.0, 0.0, _PIN_M), cast_shadow=False, receive_shadow=False
         )
-        label = f"{victim_id}  {victim['confidence']:.0%}"
+        label = f"{victim_id}  {looks[-1]}"
         self._scene.add_label(
             f"{name}/label", label, position=(0.0, 0.0, _PIN_M + 0.35), anchor="bottom-center"
         )

@@ -10,6 +10,7 @@ import { closeMenus } from "./look_menu.js";
 import { toggleMeasure } from "./measure.js";
 import { isOpen } from "./node_sensors.js";
 import { PhotoViewer } from "./photos.js";
+import { PastScene } from "./past_scene.js";
 import { Plan } from "./plan.js";
 import { RobotList } from "./robot_list.js";
 import { orderByKey } from "./robot_orders.js";
@@ -38,6 +39,7 @@ const sounds = new Sounds(store);
 const marks = new TimeMarks(store);
 const plan = new Plan(element("plan"), store);
 new Scene(element("scene-pane"), store);
+new PastScene(element("scene-pane"), store);
 attachDivider(element("divider"), element("stage"), store);
 /** @type {Stream | null} */
 let stream = null;

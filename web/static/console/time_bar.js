@@ -52,7 +52,9 @@ export function TimeBar({ store, marks }) {
     <button type="button" class="time-live" aria-pressed=${at_s === null} title="Back to what is now (L)"
       onClick=${() => past.live()}>${at_s === null ? "Live" : "Back to live"}</button>
     <a class="time-wide" href=${`/api/v1${missionPath(past.missionId)}/report.html`} target="_blank" rel="noopener"
-      title="Everything so far in one file, to hand over or print">Report</a>`;
+      title="Everything so far in one file, to hand over or print">Report</a>
+    <a class="time-wide" href=${`/viser/${encodeURIComponent(past.missionId)}/?hideViserLogo&darkMode&playbackPath=/api/v1${missionPath(past.missionId)}/history/recording.viser`}
+      target="_blank" rel="noopener" title="The mission so far in 3D, to play and to keep; making it takes up to some minutes">3D film</a>`;
 }
 
 /** @param {{icon: keyof typeof ICONS, label: string, isWide?: boolean, onClick: () => void}} props */

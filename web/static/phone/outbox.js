@@ -10,6 +10,7 @@ import { ask, missionPath, onReach, reach, reasonOf } from "./reach.js";
 
 const FIRST_MS = 1000;
 const LONGEST_MS = 60_000;
+const LOOK_EVERY_MS = 60_000;
 const PHOTO_MS = 120_000; // of 300 kB over a bad link
 const REFUSALS = [404, 409, 413, 415, 422];
 /** @type {Record<string, number>} */
@@ -40,16 +41,15 @@ export const isFull = () => [...reports.values()].some(({ is_kept }) => !is_kept
 
 /** Read what waits from an earlier time, and begin to send. */
 export async function openOutbox() {
-  for (const report of await all("outbox").catch(() => [])) if (!reports.has(report.id)) reports.set(report.id, report);
-  addEventListener("online", sendNow);
+  await sendNow();
+  addEventListener("online", () => sendNow());
   document.addEventListener("visibilitychange", () => document.visibilityState === "visible" && sendNow());
   let was = reach.inReach;
   onReach(() => {
     if (reach.inReach && !was) sendNow();
     was = reach.inReach;
   });
-  changed();
-  sendNow();
+  setInterval(() => sendNow(), LOOK_EVERY_MS);
 }
 
 /**
@@ -64,13 +64,25 @@ export async function add(kind, missionId, body) {
   const report = { id: newId(), n, mission_id: missionId, kind, body, made_by: reach.me?.name ?? "", phone_unix_s: Date.now() / 1000,
     offset_s: reach.offset_s, tries: 0, due_ms: 0, refused: "", is_kept: true };
   if (kind === "at") { // only the last place counts
-    for (const old of reports.values()) if (old.kind === "at" && old.mission_id === missionId) await forget(old.id);
+    for (const old of reports.values()) if (old.kind === "at" && old.mission_id === missionId && old.made_by === report.made_by) await forget(old.id);
   }
   reports.set(report.id, report);
   await keep(report);
   changed();
   flush();
   return report;
+}
+
+/** Take over what another phone could not send; sent by both it counts once. @param {Report[]} others */
+export async function adopt(others) {
+  for (const report of others) {
+    if (reports.has(report.id)) continue;
+    report.n = Math.max(0, ...[...reports.values()].map(({ n }) => n)) + 1;
+    reports.set(report.id, report);
+    await keep(report);
+  }
+  changed();
+  flush();
 }
 
 /** @param {Report} report */
@@ -84,9 +96,14 @@ export async function forget(id) {
   await drop("outbox", id).catch(() => undefined);
 }
 
-/** Try everything now, also what was refused. */
-export function sendNow() {
-  for (const report of reports.values()) Object.assign(report, { due_ms: 0, refused: "" });
+/**
+ * Try everything now, also what another page of this phone left when it was closed.
+ * @param {boolean} [isAgain] also what the server has refused
+ */
+export async function sendNow(isAgain = false) {
+  for (const report of await all("outbox").catch(() => [])) if (!reports.has(report.id)) reports.set(report.id, report);
+  changed();
+  for (const report of reports.values()) Object.assign(report, { due_ms: 0, refused: isAgain ? "" : report.refused });
   return flush();
 }
 

@@ -26,7 +26,7 @@ const AGES_MS = 10_000;
 function Page() {
   const { where } = state;
   const trouble = html`${state.trouble && html`<p class="trouble" role="alert">${state.trouble}</p>`}<${Doubt} />`;
-  if (!where) return html`<h1>${say("which_tag")}</h1>${trouble}<${Entry} /><${Languages} />`;
+  if (!where) return html`<h1>${say("which_tag")}</h1>${trouble}${state.said && html`<p role="status">${state.said}</p>`}<${Entry} /><${Languages} />`;
   const goal = target();
   return html`<h1>${say("tag", { tag: where.tag_id })}</h1>
     ${trouble}

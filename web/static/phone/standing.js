@@ -1,6 +1,7 @@
 /** How things stand with this phone: how old its data are, whether the server is in reach, what waits to be sent. */
 
 import { html } from "../console/vendor.js";
+import { HandOver } from "./handover_view.js";
 import { forget, isFull, sendNow, waiting } from "./outbox.js";
 import { pockets } from "./pockets.js";
 import { now_s, reach } from "./reach.js";
@@ -22,6 +23,7 @@ export function ago(seconds) {
 const timeOf = (unix_s) => new Date(unix_s * 1000).toLocaleTimeString(language(), { hour: "2-digit", minute: "2-digit", hourCycle: "h23" });
 
 let isOpen = false;
+let isHandingOver = false;
 
 export function Standing() {
   const { as_of_s } = state;
@@ -35,9 +37,11 @@ export function Standing() {
     ${isFull() && html`<p class="trouble" role="alert">${say("storage_full")}</p>`}
     ${pockets.isFull && !isFull() && html`<p class="warned">${say("storage_full_mission")}</p>`}
     ${refused > 0 && html`<p class="trouble" role="alert">${say("some_refused", { n: refused })}</p>`}
-    ${reports.length > 0 && html`<button type="button" aria-expanded=${isOpen} onClick=${() => { isOpen = !isOpen; changed(); }}>
+    ${reports.length > 0 && html`<button type="button" aria-expanded=${isOpen} onClick=${() => { isOpen = !isOpen; isHandingOver = false; changed(); }}>
       ${say("reports_wait", { n: reports.length })}</button>`}
-    ${isOpen && reports.length > 0 && html`<ul>${reports.map(Waiting)}</ul>`}`;
+    ${isOpen && reports.length > 0 && html`<ul>${reports.map(Waiting)}</ul>
+      ${isHandingOver ? html`<${HandOver} />` : html`<button type="button" onClick=${() => { isHandingOver = true; changed(); }}>
+        ${say("handover")}</button>`}`}`;
 }
 
 /** What a report says, also for copying it by hand. @param {Report} report */
@@ -52,6 +56,6 @@ export function textOf({ kind, body, made_by, phone_unix_s, offset_s }) {
 function Waiting(report) {
   return html`<li key=${report.id} class="waiting"><p>${textOf(report)}</p>
     ${report.refused && html`<p class="trouble">${report.refused}</p>
-      <div class="row"><button type="button" onClick=${sendNow}>${say("try_again")}</button>
+      <div class="row"><button type="button" onClick=${() => sendNow(true)}>${say("try_again")}</button>
       <button type="button" onClick=${async () => { await forget(report.id); changed(); }}>${say("throw_away")}</button></div>`}</li>`;
 }

@@ -81,6 +81,13 @@ export const DE = {
   storage_full_mission: "Der Speicher dieses Telefons ist voll: Die neuesten Daten gehen verloren, wenn Sie diese Seite schließen. Löschen Sie etwas anderes.",
   some_refused: { one: "Eine Meldung hat der Server abgelehnt. Sehen Sie in die Liste.", other: "{n} Meldungen hat der Server abgelehnt. Sehen Sie in die Liste." },
   reports_wait: { one: "Eine Meldung wartet", other: "{n} Meldungen warten" },
+  handover: "An ein anderes Telefon übergeben",
+  handover_how: "Auf dem anderen Telefon mit „Etikett scannen“ lesen, bis es sagt, dass es alles hat. Fotos bleiben hier.",
+  handover_code: "Ein Teil der Meldungen, als Code",
+  handover_count: "Teil {k} von {n}",
+  handover_got: "Teil {k} von {n}. Still halten.",
+  handover_done: { one: "Eine Meldung ist übernommen. Sie geht mit Ihren hinaus.", other: "{n} Meldungen sind übernommen. Sie gehen mit Ihren hinaus." },
+  handover_damaged: "Die Codes waren beschädigt. Scannen Sie sie noch einmal.",
   try_again: "Noch einmal versuchen",
   throw_away: "Wegwerfen",
 

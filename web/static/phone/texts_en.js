@@ -80,6 +80,13 @@ export const EN = {
   storage_full_mission: "This phone's storage is full: the newest data are lost when you close this page. Delete something else from it.",
   some_refused: { one: "One report was refused by the server. Look at the list.", other: "{n} reports were refused by the server. Look at the list." },
   reports_wait: { one: "One report waits to be sent", other: "{n} reports wait to be sent" },
+  handover: "Hand them to another phone",
+  handover_how: "On the other phone, scan this with Scan a label, until it says that it has all. Photos stay here.",
+  handover_code: "A part of the reports, as a code",
+  handover_count: "Part {k} of {n}",
+  handover_got: "Part {k} of {n}. Hold still.",
+  handover_done: { one: "One report was taken over. It goes out with yours.", other: "{n} reports were taken over. They go out with yours." },
+  handover_damaged: "The codes were damaged. Scan them again.",
   try_again: "Try again",
   throw_away: "Throw it away",
 

@@ -140,7 +140,7 @@ export async function keepFresh() {
   if (document.visibilityState === "visible") {
     if (state.where) await renew();
     else await refreshAll();
-    if (state.tagId && !state.where) {
+    if (!state.where) {
       answer();
       if (state.where) state.trouble = "";
     }
