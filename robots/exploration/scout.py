@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from math import inf
+from math import hypot, inf
 from zlib import crc32
 
 import numpy as np
@@ -18,6 +18,7 @@ from robots.exploration.explorer import Explorer
 from robots.exploration.strategy import AnswersTags, PlansLocally
 from robots.exploration.team.communication import Communication
 from robots.exploration.told.claims import PlaceOf
+from robots.exploration.told.hearsay import Hearsay
 from robots.exploration.told.witness import Witness, victims_near
 from robots.mapping.fused import FusedGrid
 from robots.mapping.local_grid import LocalGrid
@@ -101,6 +102,7 @@ class Scout:
         self.explorer.claims.own = key_of(robot_id)
         self._dropper = TagDropper(config.deployment, config.mapping, (config.seed, own, 2))
         self._witness = Witness(robot_id, config.planning.min_frontier_m)
+        self._hearsay = Hearsay()
         self._local: LocalGrid | None = None
         self.decision = Decision(0.0, 0.0, "starting", "waiting for the first scan")
         self.frontiers: tuple[FrontierReport, ...] = ()
@@ -168,6 +170,8 @@ class Scout:
             )
         for sighting in now.read:
             self._hear(now, sighting)
+        if now.read and now.tag_sd_m == 0.0:
+            self._hearsay.draw(self.explorer.claims.tags(now.tag_place))
         writes = tuple(self._writes(now, sighting) for sighting in now.read)
         return Intent(self.decision, drop, tuple(w for w in writes if w is not None), say, doubts)
 
@@ -204,7 +208,10 @@ class Scout:
         except TagMemoryError:
             return
         if says.trusted:
-            self.explorer.claims.hear(sighting.tag_id, says.memory, now.stamp_s, now.tag_sd_m)
+            claims, place = self.explorer.claims, now.tag_place(sighting.tag_id)
+            claims.hear(sighting.tag_id, says.memory, now.stamp_s, now.tag_sd_m)
+            if place is not None:
+                claims.reach_m = max(claims.reach_m, hypot(place[0] - now.pose.x, place[1] - now.pose.y))
 
     def _writes(self, now: Situation, sighting: TagSighting) -> TagWrite | None:
         """Leave in the tag what is known round it, and where the others are, merged with what it said."""
@@ -236,8 +243,16 @@ class Scout:
             return TagMemory.empty()
         grid = self.explorer.grids.own.of(now.fused, np.zeros((0, 3)))
         trail_m, goal_m = self.explorer.trail.points, self.decision.goal_m
+        heard = self._heard_of(now, place, said)
+        said = said.merge(heard)
         seen = self._witness.about(tag_id, place, said, grid, trail_m, goal_m, now.stamp_s)
-        return replace(seen, victims=victims_near(now.victims, place))
+        return heard.merge(replace(seen, victims=victims_near(now.victims, place)))
+
+    def _heard_of(self, now: Situation, place: tuple[float, float], said: TagMemory) -> TagMemory:
+        """Return what other tags said of the ground round a tag, where places are known without error."""
+        if now.tag_sd_m > 0.0:
+            return TagMemory.empty()
+        return self._hearsay.about(place, self._witness.phase_at(place, said))
 
     def _map_to_leave(self, now: Situation) -> tuple[WriterMap, ...]:
         if not self.config.map_memory or now.seq is None:

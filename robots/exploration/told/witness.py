@@ -33,6 +33,14 @@ class Witness:
         self._corner: Place | None = None  # of a cell of the lattice that this robot found, or began
         self._passes: dict[str, tuple[int, int, float, Place]] = {}  # count, serial, last read, goal
 
+    def phase_at(self, place: Place, said: TagMemory) -> int:
+        """Return the lattice on which a tag at a place is told: its own, one found elsewhere, or begun."""
+        if said.has_coverage:
+            self._corner = self._corner or _corner(place, said.phase)
+            return said.phase
+        self._corner = self._corner or (place[0] - CELL_M / 2.0, place[1] - CELL_M / 2.0)
+        return phase_of(*place, self._corner)
+
     def about(
         self,
         tag_id: str,
@@ -54,15 +62,10 @@ class Witness:
             goal_m: where it drives.
             now_s: by its own clock.
         """
-        if said.has_coverage:
-            phase = said.phase
-            self._corner = self._corner or _corner(place, phase)
-        else:
-            self._corner = self._corner or (place[0] - CELL_M / 2.0, place[1] - CELL_M / 2.0)
-            phase = phase_of(*place, self._corner)
+        phase = self.phase_at(place, said)
         count, serial, goal = self._pass(tag_id, goal_m or place, now_s)
         return replace(
-            observed_memory(grid, *place, phase, self._min_frontier_m),
+            observed_memory(grid, *place, phase, self._min_frontier_m, said.cells),
             passes=(goal_mark(self._robot_id, count, serial, goal[0] - place[0], goal[1] - place[1]),),
             visited=visited_window(trail_m, *place),
         )
