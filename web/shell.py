@@ -46,7 +46,7 @@ def shell(static: Path, vendor: Mapping[str, Path]) -> Shell:
         if not path.is_file() or (address in files and (address in early or not is_early)):
             continue
         files[address] = path.read_bytes()
-        if path.suffix == ".js":
+        if path.suffix in (".js", ".mjs"):
             if is_early:
                 early.append(address)
             waiting += _imports(address, files[address].decode(), is_early)

@@ -1,7 +1,6 @@
 /** How things stand with this phone: how old its data are, whether the server is in reach, what waits to be sent. */
 
 import { html } from "../console/vendor.js";
-import { HandOver } from "./handover_view.js";
 import { forget, isFull, sendNow, waiting } from "./outbox.js";
 import { pockets } from "./pockets.js";
 import { now_s, reach } from "./reach.js";
@@ -23,7 +22,13 @@ export function ago(seconds) {
 const timeOf = (unix_s) => new Date(unix_s * 1000).toLocaleTimeString(language(), { hour: "2-digit", minute: "2-digit", hourCycle: "h23" });
 
 let isOpen = false;
-let isHandingOver = false;
+/** Codes on the screen, once they are asked for. @type {typeof import("./handover_view.js").HandOver | null} */
+let HandOver = null;
+
+async function handOver() {
+  ({ HandOver } = await import("./handover_view.js"));
+  changed();
+}
 
 export function Standing() {
   const { as_of_s } = state;
@@ -37,10 +42,10 @@ export function Standing() {
     ${isFull() && html`<p class="trouble" role="alert">${say("storage_full")}</p>`}
     ${pockets.isFull && !isFull() && html`<p class="warned">${say("storage_full_mission")}</p>`}
     ${refused > 0 && html`<p class="trouble" role="alert">${say("some_refused", { n: refused })}</p>`}
-    ${reports.length > 0 && html`<button type="button" aria-expanded=${isOpen} onClick=${() => { isOpen = !isOpen; isHandingOver = false; changed(); }}>
+    ${reports.length > 0 && html`<button type="button" aria-expanded=${isOpen} onClick=${() => { isOpen = !isOpen; HandOver = null; changed(); }}>
       ${say("reports_wait", { n: reports.length })}</button>`}
     ${isOpen && reports.length > 0 && html`<ul>${reports.map(Waiting)}</ul>
-      ${isHandingOver ? html`<${HandOver} />` : html`<button type="button" onClick=${() => { isHandingOver = true; changed(); }}>
+      ${HandOver ? html`<${HandOver} />` : html`<button type="button" onClick=${handOver}>
         ${say("handover")}</button>`}`}`;
 }
 
