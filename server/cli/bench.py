@@ -21,6 +21,7 @@ _KNOWN = (
     "exploration",
     "outbox",
     "phone",
+    "history",
 )
 
 
@@ -28,7 +29,8 @@ def bench(
     names: Annotated[
         list[str] | None,
         typer.Argument(
-            metavar="[office|latency|scan-match|solve|incremental|rslam|ekf|decision|exploration|outbox|phone]..."
+            metavar="[office|latency|scan-match|solve|incremental|rslam|ekf|decision|exploration|outbox"
+            "|phone|history]..."
         ),
     ] = None,
     map_spec: Annotated[
@@ -102,6 +104,10 @@ def _measure(name: str, map_spec: str, minutes: float, seconds: float) -> dict[s
         from server.benchmarks import decision
 
         return decision.measure()
+    if name == "history":
+        from server.benchmarks import history
+
+        return history.measure(minutes=minutes)
     from server.benchmarks import latency
 
     return latency.measure(seconds=seconds)
