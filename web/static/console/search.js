@@ -1,7 +1,7 @@
 /** Find a robot, tag, victim or note by a part of its name, and go there. */
 
 import { understood } from "../phone/short_id.js";
-import { NOTE_KINDS } from "./notes.js";
+import { NOTE_KINDS } from "./note_kinds.js";
 import { Component, html } from "./vendor.js";
 
 /** @import {Selected, Store} from "./store.js" */
