@@ -47,11 +47,7 @@ class Claims:
 
     def __init__(self) -> None:
         self.own: int | None = None  # the key by which tags know this robot: its own goals are no news
-<<<<<<< HEAD
-=======
-        self.tag_sd_m = 0.0  # of the places where tags are believed
         self.reach_m = 0.0  # the farthest off that a tag was read
->>>>>>> main
         self._memories: dict[str, TagMemory] = {}
         self._read_s: dict[str, float] = {}
         self._sds_m: dict[str, float] = {}  # of the places where tags are believed
@@ -75,14 +71,10 @@ class Claims:
         """Return what is unknown, here and to all whose word was read, as the tags lie now."""
         unknown = _unknown_shares(grid.cells, grid.cell_m, LATTICE_M)
         claimed, whole = np.zeros(unknown.shape, np.uint8), np.zeros(unknown.shape, np.uint8)
-<<<<<<< HEAD
-=======
-        rings = ceil(_SURE_SD * self.tag_sd_m / LATTICE_M - 1e-9)
->>>>>>> main
         promised = []
         for tag in self.tags(place_of):
             fine = np.repeat(np.repeat(tag.memory.cells.T, _PER_CELL, axis=0), _PER_CELL, axis=1)
-            rings = ceil(self._sds_m[tag.tag_id] / LATTICE_M - 1e-9)
+            rings = ceil(_SURE_SD * self._sds_m[tag.tag_id] / LATTICE_M - 1e-9)
             _draw(whole, fine, tag, grid.origin)
             _draw(claimed, _eroded(fine, rings), tag, grid.origin)
             promised += [
