@@ -1,4 +1,4 @@
-/** Kinds of notes that people write on the map, and ids for what they write. */
+/** What console and phone know alike of notes: their kinds, and ids that either makes. */
 
 /** @type {Record<string, {label: string, glyph: string, color: string}>} */
 export const NOTE_KINDS = {

@@ -3,16 +3,15 @@
 import { color } from "../theme.js";
 import { missionPath, request } from "./api.js";
 import { timeOfDay } from "./format.js";
+import { newId, NOTE_KINDS } from "./note_kinds.js";
 import { Photos } from "./photos.js";
 import { makeSector } from "./sectors.js";
-import { newId, NOTE_KINDS } from "./note_kinds.js";
 import { html } from "./vendor.js";
 
 /** @import {Annotation, Tag} from "./types.js" */
 /** @import {Store} from "./store.js" */
 /** @import {View} from "./canvas_layer.js" */
 /** @typedef {{kind: string, text: string, isArea: boolean, corners: [number, number][]}} Draft */
-
 
 /** Where a note stands: its point, its tag, or the middle of its area. @param {Annotation} note @param {Tag | undefined} tag */
 export function placeOf(note, tag) {

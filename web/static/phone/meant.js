@@ -1,5 +1,6 @@
 /** Which tag is meant by what was touched, scanned or typed; and going there. */
 
+import { takeCode } from "./handover_view.js";
 import { missions } from "./pockets.js";
 import { read } from "./reach.js";
 import { understood } from "./short_id.js";
@@ -50,7 +51,6 @@ export async function goToTyped(typed) {
 
 /** @param {string} text what a QR code says */
 export async function goToScanned(text) {
-  const { takeCode } = await import("./handover_view.js");
   if (takeCode(text)) return; // reports of another phone, of which there is more to come
   state.scanning = false;
   if (!(await followLink(text))) ask({ trouble: say("not_a_tag", { text: text.slice(0, 60) }) });

@@ -1,6 +1,7 @@
 /** How things stand with this phone: how old its data are, whether the server is in reach, what waits to be sent. */
 
 import { html } from "../console/vendor.js";
+import { HandOver } from "./handover_view.js";
 import { forget, isFull, sendNow, waiting } from "./outbox.js";
 import { pockets } from "./pockets.js";
 import { now_s, reach } from "./reach.js";
@@ -22,13 +23,7 @@ export function ago(seconds) {
 const timeOf = (unix_s) => new Date(unix_s * 1000).toLocaleTimeString(language(), { hour: "2-digit", minute: "2-digit", hourCycle: "h23" });
 
 let isOpen = false;
-/** Codes on the screen, once they are asked for. @type {typeof import("./handover_view.js").HandOver | null} */
-let HandOver = null;
-
-async function handOver() {
-  ({ HandOver } = await import("./handover_view.js"));
-  changed();
-}
+let isHandingOver = false;
 
 export function Standing() {
   const { as_of_s } = state;
@@ -42,11 +37,11 @@ export function Standing() {
     ${isFull() && html`<p class="trouble" role="alert">${say("storage_full")}</p>`}
     ${pockets.isFull && !isFull() && html`<p class="warned">${say("storage_full_mission")}</p>`}
     ${refused > 0 && html`<p class="trouble" role="alert">${say("some_refused", { n: refused })}</p>`}
-    ${reports.length > 0 && html`<button type="button" aria-expanded=${isOpen} onClick=${() => { isOpen = !isOpen; HandOver = null; changed(); }}>
+    ${reports.length > 0 && html`<button type="button" aria-expanded=${isOpen} onClick=${() => { isOpen = !isOpen; isHandingOver = false; changed(); }}>
       ${say("reports_wait", { n: reports.length })}</button>`}
-    ${isOpen && reports.length > 0 && html`<ul>${reports.map(Waiting)}</ul>
-      ${HandOver ? html`<${HandOver} />` : html`<button type="button" onClick=${handOver}>
-        ${say("handover")}</button>`}`}`;
+    ${isOpen && reports.length > 0 && (isHandingOver ? html`<${HandOver} />`
+      : html`<ul>${reports.map(Waiting)}</ul><button type="button" onClick=${() => { isHandingOver = true; changed(); }}>
+        ${say("handover")}</button>`)}`;
 }
 
 /** What a report says, also for copying it by hand. @param {Report} report */
