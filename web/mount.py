@@ -17,7 +17,7 @@ from starlette.staticfiles import NotModifiedResponse
 from starlette.types import Scope
 
 from web.proxy import Gate, ScenePorts, mount_proxy
-from web.shell import worker
+from web.shell import shell, worker
 
 _HERE = Path(__file__).parent
 STATIC = _HERE / "static"
@@ -120,12 +120,18 @@ def mount_web(
     async def missions(request: Request) -> Response:
         return _page(request, STATIC / "missions" / "index.html")
 
+    vendor_files = {address: node_modules / name for address, name in VENDOR_FILES.items()}
+
     async def phone(request: Request) -> Response:
-        return _page(request, STATIC / "phone" / "index.html")
+        kept = await asyncio.to_thread(shell, STATIC, vendor_files)
+        headers = {**SECURITY_HEADERS, "ETag": kept.etag}
+        if request.headers.get("if-none-match") == kept.etag:
+            return Response(status_code=304, headers=headers)
+        return HTMLResponse(kept.page, headers=headers)
 
     async def phone_worker(request: Request) -> Response:
-        vendor = {address: node_modules / name for address, name in VENDOR_FILES.items()}
-        script = await asyncio.to_thread(worker, STATIC, vendor)
+        kept = await asyncio.to_thread(shell, STATIC, vendor_files)
+        script = await asyncio.to_thread(worker, STATIC, kept)
         return Response(script, media_type="text/javascript", headers=dict(SECURITY_HEADERS))
 
     async def icon(request: Request) -> Response:

@@ -6,43 +6,70 @@ import hashlib
 import json
 import re
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 
 _LINKS = re.compile(r'(?:href|src)="(/[^"]+)"')
 _IMPORTS = re.compile(r'^(?:import|export)\b[^;]*?\bfrom "([^"]+)";|^import "([^"]+)";', re.MULTILINE)
 _LAZY = re.compile(r'\b(?:import\(|\.src = )"([^"]+)"')
-PAGE, WORKER = "/phone", "phone/sw.js"
+_HEAD_ENDS = b"</head>"
+PAGE, _WORKER = "/phone", "phone/sw.js"
 
 
-def shell_files(static: Path, vendor: Mapping[str, Path]) -> dict[str, Path]:
-    """Return address -> file of all that the phone's page loads; ``vendor``: what is served under /vendor."""
-    page = static / "phone" / "index.html"
-    files = {PAGE: page}
-    waiting = [address for address in _LINKS.findall(page.read_text()) if address.startswith("/static/")]
+@dataclass(frozen=True, slots=True)
+class Shell:
+    """The phone's page and all that it loads: address -> bytes; ``early`` what its first answer needs."""
+
+    files: Mapping[str, bytes]
+    early: tuple[str, ...]
+
+    @property
+    def page(self) -> bytes:
+        """The page, which names its modules so that a browser asks for all of them at once."""
+        return self.files[PAGE]
+
+    @property
+    def etag(self) -> str:
+        """A name for the page that changes with it."""
+        return f'"{_hash(self.page)[:20]}"'
+
+
+def shell(static: Path, vendor: Mapping[str, Path]) -> Shell:
+    """Return the phone's shell; ``vendor``: what is served under /vendor."""
+    page = (static / "phone" / "index.html").read_bytes()
+    files: dict[str, bytes] = {}
+    early: list[str] = []
+    waiting = [(address, True) for address in _LINKS.findall(page.decode()) if address.startswith("/static/")]
     while waiting:
-        address = waiting.pop()
+        address, is_early = waiting.pop()
         path = vendor.get(address.removeprefix("/vendor/"), static / address.removeprefix("/static/"))
-        if address in files or not path.is_file():
+        if not path.is_file() or (address in files and (address in early or not is_early)):
             continue
-        files[address] = path
+        files[address] = path.read_bytes()
         if path.suffix == ".js":
-            waiting += [_resolved(address, to) for to in _imports(path.read_text())]
+            if is_early:
+                early.append(address)
+            waiting += _imports(address, files[address].decode(), is_early)
         if path.suffix == ".webmanifest":
-            waiting += [icon["src"] for icon in json.loads(path.read_text())["icons"]]
-    return files
+            waiting += [(icon["src"], False) for icon in json.loads(files[address])["icons"]]
+    links = "".join(f'  <link rel="modulepreload" href="{address}">\n' for address in sorted(early))
+    files[PAGE] = page.replace(_HEAD_ENDS, links.encode() + _HEAD_ENDS)
+    styles = [address for address in files if address.endswith(".css")]
+    return Shell(files, (PAGE, *sorted(early), *styles))
 
 
-def worker(static: Path, vendor: Mapping[str, Path]) -> bytes:
+def worker(static: Path, kept: Shell) -> bytes:
     """Return the service worker with the files it is to keep; it differs whenever one of them does."""
-    files = shell_files(static, vendor)
-    hashes = {address: _hash(path.read_bytes()) for address, path in sorted(files.items())}
+    hashes = {address: _hash(data) for address, data in sorted(kept.files.items())}
     version = _hash(json.dumps(hashes).encode())[:16]
     head = f'self.VERSION = "{version}";\nself.FILES = {json.dumps(hashes, indent=0)};\n'
-    return head.encode() + (static / WORKER).read_bytes()
+    return head.encode() + (static / _WORKER).read_bytes()
 
 
-def _imports(text: str) -> list[str]:
-    return [one or other for one, other in _IMPORTS.findall(text)] + _LAZY.findall(text)
+def _imports(of: str, text: str, is_early: bool) -> list[tuple[str, bool]]:
+    first = [(one or other, is_early) for one, other in _IMPORTS.findall(text)]
+    later = [(address, False) for address in _LAZY.findall(text)]
+    return [(_resolved(of, to), early) for to, early in first + later]
 
 
 def _resolved(of: str, to: str) -> str:

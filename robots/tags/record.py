@@ -98,6 +98,11 @@ def split(data: bytes) -> tuple[bytes, ...]:
     return tuple(records)
 
 
+def is_sealed(record: bytes) -> bool:
+    """Say whether anybody has put a seal on a record that ``split`` returned; phones have no key to do so."""
+    return any(record[-_SEAL:])
+
+
 def revision_of(record: bytes) -> int:
     """Return the revision of a record that ``split`` returned."""
     return int(_HEADER.unpack_from(record)[1])

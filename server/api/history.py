@@ -110,6 +110,7 @@ async def get_recording(mission: OneMission, missions: AllMissions) -> Response:
 
     It takes seconds to minutes; robots and consoles do not notice.
     """
+    await mission.history.catch_up()
     film = await make_film(missions.store, mission.mission_id)
     headers = {
         "Cache-Control": "no-store",

@@ -33,6 +33,7 @@ async def get_report_page(mission: OneMission, missions: AllMissions) -> Respons
 
     It needs nothing beside itself, and prints on A4.
     """
+    await mission.history.catch_up()
     page = await make_report(missions.store, mission.roster.record)
     headers = {
         "Content-Security-Policy": content_security_policy(),

@@ -17,7 +17,7 @@ from robots.sim.live import play
 from robots.sim.scenario import ScenarioConfig
 from server.benchmarks.browser import chromium, server_process
 from web.mount import NODE_MODULES, STATIC, VENDOR_FILES
-from web.shell import shell_files
+from web.shell import shell
 
 _MISSION, _TIMES, _SLOWER = "bench", 15, 4
 _ANSWERED = """
@@ -78,14 +78,10 @@ def measure() -> dict[str, Any]:
 
 def sizes() -> dict[str, float]:
     """Return the size, gzipped, of what the page loads for its first answer, and of what it keeps beside."""
-    vendor = {address: NODE_MODULES / name for address, name in VENDOR_FILES.items()}
-    files = shell_files(STATIC, vendor)
-    zipped = {address: len(gzip.compress(path.read_bytes(), 9)) / 1000.0 for address, path in files.items()}
-    later = {name for name in zipped if "jsqr" in name or "lean-qr" in name or name.endswith(".png")}
-    return {
-        "shell, kB gzipped": sum(size for name, size in zipped.items() if name not in later),
-        "codes and icons, kB gzipped": sum(zipped[name] for name in later),
-    }
+    kept = shell(STATIC, {address: NODE_MODULES / name for address, name in VENDOR_FILES.items()})
+    zipped = {address: len(gzip.compress(data, 9)) / 1000.0 for address, data in kept.files.items()}
+    first = sum(zipped[address] for address in kept.early)
+    return {"shell, kB gzipped": first, "read on demand, kB gzipped": sum(zipped.values()) - first}
 
 
 def _tags(home: str) -> list[str]:

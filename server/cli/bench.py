@@ -21,6 +21,7 @@ _KNOWN = (
     "exploration",
     "outbox",
     "phone",
+    "history",
     "console",
 )
 
@@ -29,7 +30,8 @@ def bench(
     names: Annotated[
         list[str] | None,
         typer.Argument(
-            metavar="[office|latency|scan-match|solve|incremental|rslam|ekf|decision|exploration|outbox|phone|console]..."
+            metavar="[office|latency|scan-match|solve|incremental|rslam|ekf|decision|exploration|outbox"
+            "|phone|history|console]..."
         ),
     ] = None,
     map_spec: Annotated[
@@ -103,6 +105,10 @@ def _measure(name: str, map_spec: str, minutes: float, seconds: float) -> dict[s
         from server.benchmarks import decision
 
         return decision.measure()
+    if name == "history":
+        from server.benchmarks import history
+
+        return history.measure(minutes=minutes)
     from server.benchmarks import latency
 
     return latency.measure(seconds=seconds)

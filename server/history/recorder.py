@@ -90,12 +90,17 @@ class Recorder:
         self._ended.set()
         if self._task is not None:
             await self._task
-            self._recorded_s.clear()
-            await self.flush()
+            await self.catch_up()
             async with self._writing:
                 with suppress(DatabaseError):  # the lines are there, and are sealed at the next start
                     await self._seal()
         self._subscription.close()
+
+    async def catch_up(self) -> None:
+        """Record all that changed, due or not, for who wants to read the past up to now."""
+        if self._task is not None:  # of a mission that is over nothing changes
+            self._recorded_s.clear()
+            await self.flush()
 
     async def flush(self) -> None:
         """Record what is due now. A database that cannot take it gets it again at the next tick."""

@@ -55,11 +55,16 @@ class ChipNotes:
             )
         self._known[tag_id] = records
 
-    async def is_reported(self, tag_id: str, author: str, kind: str, text: str) -> None:
+    def is_copy(self, note: AnnotationRecord) -> bool:
+        """Say whether a reported note was read off a tag, and its writer has reported it already."""
+        known = note.tag_id or "", *_as_in_tag(note.by, f"{note.kind}: {note.text}")
+        return note.annotation_id == chip_note_id(*known) and self._was_reported(*known)
+
+    async def is_reported(self, note: AnnotationRecord) -> None:
         """Take a note off the map that came by its tag, now that its writer has reported it."""
-        note_id = chip_note_id(tag_id, *_as_in_tag(author, f"{kind}: {text}"))
-        if self._annotations.value(note_id) is not None:
-            await self._annotations.remove(note_id)
+        copy = chip_note_id(note.tag_id or "", *_as_in_tag(note.by, f"{note.kind}: {note.text}"))
+        if copy != note.annotation_id and self._annotations.value(copy) is not None:
+            await self._annotations.remove(copy)
 
     def _was_reported(self, tag_id: str, author: str, text: str) -> bool:
         return any(

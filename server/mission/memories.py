@@ -13,25 +13,37 @@ from db.store import Store
 from robots.tags.content import decode_memory, encode_memory, merge_bytes
 from robots.tags.describe import describe, sentences
 from robots.tags.memory import TagMemory, TagMemoryError
-from robots.tags.record import seal
+from robots.tags.record import is_sealed, seal, split
 from robots.tags.sealed import open_memory
 from robots.types import Observation, TagWrite
+from server.mission.alerts import Alerts
 from server.mission.chip_notes import ChipNotes
 from server.mission.events import Events
 
 log = structlog.get_logger()
 
 
+class ForeignSealError(TagMemoryError):
+    """A memory bears a seal that is not this mission's over this tag."""
+
+
 class Memories:
     """Tag memories by tag id; ``key`` is the mission's, which seals them."""
 
     def __init__(
-        self, store: Store, mission_id: str, key: bytes, events: Events, chip_notes: ChipNotes
+        self,
+        store: Store,
+        mission_id: str,
+        key: bytes,
+        events: Events,
+        alerts: Alerts,
+        chip_notes: ChipNotes,
     ) -> None:
         self._store = store
         self._mission_id = mission_id
         self._key = key
         self._events = events
+        self._alerts = alerts
         self._chip_notes = chip_notes
         self._told: dict[str, bytes] = {}  # memories that were not kept, by tag: what was told of already
 
@@ -63,7 +75,20 @@ class Memories:
         for tag_id, records in sorted(read):
             try:
                 await self._chip_notes.take(tag_id, records)
-                await self._merge(tag_id, self._believed(tag_id, records), robot_id)
+                whole = split(records)
+                if not whole or any(is_sealed(record) for record in whole):
+                    await self._merge(tag_id, self._believed(tag_id, records), robot_id)
+            except ForeignSealError as error:
+                text = f"Tag {tag_id} may be forged or a copy: {error}. Do not go by what it says."
+                await self._alerts.raise_(
+                    "tag",
+                    f"{tag_id} seal",
+                    text,
+                    "warning",
+                    event="tag_unreadable",
+                    robot_id=robot_id,
+                    tag_id=tag_id,
+                )
             except TagMemoryError as error:
                 if self._told.get(tag_id) != records:
                     self._told[tag_id] = records
@@ -85,7 +110,9 @@ class Memories:
             raise TagMemoryError("there is nothing in it")
         says = open_memory(records, tag_id, self._key)
         if not says.trusted:
-            raise TagMemoryError("it bears another seal than this mission's, so it is a stranger's or forged")
+            raise ForeignSealError(
+                "it bears another seal than this mission's, so it is a stranger's or forged"
+            )
         return says.memory.uncut()  # here is room for all
 
     async def _merge(self, tag_id: str, memory: TagMemory, by: str) -> None:

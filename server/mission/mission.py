@@ -92,7 +92,7 @@ class Mission:
             store, mission_id, self.board, self.annotations, self.victims, self.alerts, self.evacuation,
             chip_notes,
         )  # fmt: skip
-        self.memories = Memories(store, mission_id, tag_key, self.events, chip_notes)
+        self.memories = Memories(store, mission_id, tag_key, self.events, self.alerts, chip_notes)
         self.nodes = Nodes(store, mission_id, self.board, self.alerts)
         self._tasks = Tasks(mission_id)
         self.roster = Roster(record, store, forks, self.board, self.alerts, self._tasks)

@@ -88,20 +88,21 @@ class Reports:
 
     async def _take_note(self, record: ReportRecord, said: ReportIn) -> str:
         assert said.note is not None
-        await self._annotations.put(
-            AnnotationRecord(
-                annotation_id=record.report_id,
-                kind=said.note,
-                text=said.text,
-                x_m=None,
-                y_m=None,
-                tag_id=said.tag_id,
-                by=record.by,
-                created_unix_s=record.made_unix_s,
-                changed_unix_s=record.received_unix_s,
-            )
+        note = AnnotationRecord(
+            annotation_id=record.report_id,
+            kind=said.note,
+            text=said.text,
+            x_m=None,
+            y_m=None,
+            tag_id=said.tag_id,
+            by=record.by,
+            created_unix_s=record.made_unix_s,
+            changed_unix_s=record.received_unix_s,
         )
-        await self._chip_notes.is_reported(said.tag_id or "", record.by, said.note, said.text)
+        if self._chip_notes.is_copy(note):
+            return "Its writer has reported it already."
+        await self._annotations.put(note)
+        await self._chip_notes.is_reported(note)
         return f"It stands on the map at tag {said.tag_id}."
 
     async def _take_victim(self, record: ReportRecord, said: ReportIn) -> str:

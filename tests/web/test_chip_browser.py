@@ -6,6 +6,7 @@ import random
 from collections.abc import Iterator
 from typing import Any
 
+import httpx
 import pytest
 from fastapi import FastAPI
 from playwright.sync_api import Browser, Page, expect
@@ -17,6 +18,7 @@ from robots.tags.memory import TagMemory
 from robots.tags.reader import SimulatedTag, read_tag, write_tag
 from robots.tags.record import seal
 from robots.tags.sealed import open_memory, unsealed_notes
+from server.mission.chip_notes import chip_note_id
 from web.mount import mount_web
 
 KEY, TAG = b"mission", "A4"
@@ -172,6 +174,32 @@ def test_a_tag_is_opened_by_touch_and_a_word_is_left_in_its_chip(browser: Browse
     ]
     assert open_memory(b"".join(after.records), tag_id, KEY).trusted
     expect(page.get_by_text("gas, turn back").first).to_be_visible()
+    context.close()
+
+
+def test_what_another_phone_left_in_a_tag_is_carried_on_to_the_server(
+    browser: Browser, drill: Any, scripts: Page
+) -> None:
+    host, tag_id = drill["host"], drill["tags"][0]
+    chip = SimulatedTag.formatted(CHIPS[2048], LINK)
+    case = {"payload": list(payload_of(chip)), "author": "Ann", "texts": ["hazard: wires é", "two doors"]}
+    (payload,) = scripts.evaluate(WRITE, [case])
+    context = browser.new_context(viewport={"width": 390, "height": 844}, locale="en-GB")
+    context.add_init_script(STUB)
+    page = context.new_page()
+    page.goto(f"http://{host}/t")
+    page.get_by_role("button", name="Touch tags with this phone").click()
+    for _ in range(2):
+        page.evaluate("([link, payload]) => touchChip(link, payload)", [f"http://{host}/t/{tag_id}", payload])
+        expect(page.get_by_role("heading", name=f"Tag {tag_id}")).to_be_visible(timeout=SOON_MS)
+        expect(page.get_by_text("wires é").first).to_be_visible()
+        page.wait_for_timeout(1500)
+    found = httpx.get(f"http://{host}/api/v1/missions/drill/annotations", timeout=30).json()["annotations"]
+    carried = {a["annotation_id"]: (a["kind"], a["text"]) for a in found if a["by"].startswith("Ann")}
+    assert carried == {
+        chip_note_id(tag_id, "Ann", "hazard: wires é"): ("hazard", "wires é"),
+        chip_note_id(tag_id, "Ann", "two doors"): ("note", "two doors"),
+    }
     context.close()
 
 

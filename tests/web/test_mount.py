@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import gzip
+import hashlib
+import json
 import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -12,6 +14,7 @@ import pytest
 from fastapi import FastAPI
 
 from web.mount import NODE_MODULES, STATIC, VENDOR_FILES, mount_web
+from web.shell import shell
 
 HAS_PACKAGES = all((NODE_MODULES / name).is_file() for name in VENDOR_FILES.values())
 
@@ -144,3 +147,35 @@ def test_files_go_compressed_over_the_wire(client: httpx.Client) -> None:
     assert "content-encoding" not in plain.headers
     again = client.get("/static/console/main.js", headers={"If-None-Match": packed.headers["etag"]})
     assert again.status_code == 304
+
+
+@pytest.mark.skipif(not HAS_PACKAGES, reason="the npm packages are not installed: run make setup")
+def test_the_phones_worker_keeps_every_file_as_it_is_served(serve: Callable[[FastAPI], str]) -> None:
+    app = FastAPI()
+    mount_web(app)
+    with httpx.Client(base_url=f"http://{serve(app)}") as client:
+        script = client.get("/sw.js").text
+        files = json.loads(re.search(r"self\.FILES = (\{.*?\});", script, re.DOTALL)[1])
+        for name in (
+            "/phone",
+            "/static/phone/phone.js",
+            "/static/console/css/base.css",
+            "/vendor/htm/htm.module.js",
+        ):
+            assert name in files
+        for address, expected in files.items():
+            assert hashlib.sha256(client.get(address).content).hexdigest() == expected, address
+        page = client.get("/t/A-017")
+        modules = re.findall(r'rel="modulepreload" href="([^"]+)"', page.text)
+        assert len(modules) > 20
+        assert set(modules) <= set(files)
+        assert client.get("/phone", headers={"If-None-Match": page.headers["etag"]}).status_code == 304
+        policy = client.get("/sw.js").headers["content-security-policy"]
+        assert "worker-src 'self'" in policy
+        assert "manifest-src 'self'" in policy
+
+
+@pytest.mark.skipif(not HAS_PACKAGES, reason="the npm packages are not installed: run make setup")
+def test_what_a_phone_loads_for_its_first_answer_is_small() -> None:
+    kept = shell(STATIC, {address: NODE_MODULES / name for address, name in VENDOR_FILES.items()})
+    assert 40_000 < sum(len(gzip.compress(kept.files[address], 9)) for address in kept.early) < 80_000

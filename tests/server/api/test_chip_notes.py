@@ -13,6 +13,7 @@ from robots.tags.content import encode_memory
 from robots.tags.marks import Note, Notes
 from robots.tags.memory import TagMemory
 from robots.tags.record import seal
+from server.mission.chip_notes import chip_note_id
 
 KEY = "00ff17"
 SEALED = seal(encode_memory(TagMemory.empty()), 0, "A4", bytes.fromhex(KEY))
@@ -41,11 +42,11 @@ def line(control):
     return line
 
 
-def report(line, text, note="hazard", made_by="Kim"):
+def report(line, text, note="hazard", made_by="Kim", report_id=None):
     now = time.time()
     body = {"kind": "note", "note": note, "text": text, "tag_id": "A4", "made_by": made_by}
     said = body | {"phone_unix_s": now, "sent_phone_unix_s": now}
-    assert line.call("PUT", f"/reports/{uuid4()}", said).status_code == 201
+    assert line.call("PUT", f"/reports/{report_id or uuid4()}", said).status_code == 201
 
 
 def on_map(line):
@@ -81,3 +82,29 @@ def test_the_writers_own_report_and_the_chips_note_count_once(line, chip_first):
 def test_a_chip_of_a_stranger_cannot_fill_the_map(line):
     line.read_tag(SEALED + unsealed(*(f"note: {k}" for k in range(60))))
     assert len(on_map(line)) == 50
+
+
+@pytest.mark.parametrize("order", [*itertools.permutations(["robot", "reader", "writer"])])
+def test_robot_reader_and_writer_bring_it_in_any_order_and_it_counts_once(line, order):
+    """Another phone that read the tag carries the word on, by an id that anyone makes the same."""
+    text = "gas é"
+    ways = {
+        "robot": lambda: line.read_tag(SEALED + unsealed(f"hazard: {text}")),
+        "reader": lambda: report(line, text, report_id=chip_note_id("A4", "Kim", f"hazard: {text}")),
+        "writer": lambda: report(line, text),
+    }
+    for who in order:
+        ways[who]()
+        assert on_map(line) == [("hazard", text, "A4", "Kim")], who
+
+
+def test_a_forged_memory_is_an_alert_and_a_phones_word_is_none(line):
+    line.read_tag(unsealed("note: here"))
+    assert line.get("/alerts")["alerts"] == []
+    forged = seal(encode_memory(TagMemory.empty()), 9, "A4", b"another key")
+    copied = seal(encode_memory(TagMemory.empty()), 9, "A5", bytes.fromhex(KEY))
+    for memory in (forged, copied):
+        line.read_tag(memory)
+        (alert,) = line.get("/alerts")["alerts"]
+        assert (alert["kind"], alert["tag_id"], alert["severity"]) == ("tag", "A4", "warning")
+        assert "Tag A4 may be forged or a copy" in alert["text"]

@@ -1,7 +1,7 @@
 /** The values of a mission's board by kind and id: as they are now, or as they were. */
 
 /** @import {Alert, Annotation, Evacuation, MapInfo, Mission, MissionEvent, Node} from "./types.js" */
-/** @import {Frontiers, Orders, Person, Photo, Robot, Tag, Trail, Victim} from "./types.js" */
+/** @import {Frontiers, Orders, Period, Person, Photo, Robot, Sector, Tag, Trail, Victim} from "./types.js" */
 
 export class BoardState {
   /** @type {Mission | null} */
@@ -22,6 +22,10 @@ export class BoardState {
   victims = new Map();
   /** @type {Map<string, Annotation>} */
   annotations = new Map();
+  /** @type {Map<string, Sector>} */
+  sectors = new Map();
+  /** @type {Map<string, Period>} */
+  periods = new Map();
   /** @type {Map<string, Photo>} */
   photos = new Map();
   /** @type {Map<string, MissionEvent>} */
@@ -46,7 +50,7 @@ export class BoardState {
   keyed = {
     robot: this.robots, trail: this.trails, tag: this.tags, victim: this.victims, annotation: this.annotations,
     event: this.events, node: this.nodes, alert: this.alerts, person: this.people, responder: this.responders,
-    frontiers: this.frontiers, orders: this.orders, photo: this.photos,
+    frontiers: this.frontiers, orders: this.orders, photo: this.photos, sector: this.sectors, period: this.periods,
   };
 
   clear() {

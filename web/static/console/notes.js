@@ -4,6 +4,7 @@ import { color } from "../theme.js";
 import { missionPath, request } from "./api.js";
 import { timeOfDay } from "./format.js";
 import { Photos } from "./photos.js";
+import { makeSector } from "./sectors.js";
 import { html } from "./vendor.js";
 
 /** @import {Annotation, Tag} from "./types.js" */
@@ -60,14 +61,15 @@ export function addCorner(store, corner) {
 /** @param {{store: Store}} props */
 export function NoteTool({ store }) {
   const { draft } = store;
+  const isMine = draft !== null && draft.kind !== "sector";
   const open = () => {
-    store.draft = draft ? null : { kind: "hazard", text: "", isArea: false, corners: [] };
+    store.draft = isMine ? null : { kind: "hazard", text: "", isArea: false, corners: [] };
     if (store.picking?.kind === "note") store.picking = null;
     store.changed();
   };
-  return html`<button type="button" class="tool" aria-expanded=${draft !== null} disabled=${!store.mission || store.isOver}
+  return html`<button type="button" class="tool" aria-expanded=${isMine} disabled=${!store.mission || store.isOver}
       onClick=${open}>Note</button>
-    ${draft && html`<${DraftForm} store=${store} draft=${draft} />`}`;
+    ${isMine && html`<${DraftForm} store=${store} draft=${draft} />`}`;
 }
 
 /** @param {{store: Store, draft: Draft}} props */
@@ -120,7 +122,9 @@ export function NoteCard({ store }) {
     ${note.text && html`<p>${note.text}</p>`}
     <p class="hint-line">By ${note.by} at ${timeOfDay(note.changed_unix_s)}${note.tag_id && `, at tag ${note.tag_id}`}.</p>
     <${Photos} store=${store} of=${{ annotation_id: id }} />
-    ${!store.isOver && html`<button type="button" onClick=${remove}>Remove</button>`}</section>`;
+    ${!store.isOver && html`<div class="draft-kinds"><button type="button" onClick=${remove}>Remove</button>
+      ${note.area_m.length > 0 && store.may("operator") && html`<button type="button"
+        onClick=${() => makeSector(store, note.text, note.area_m)}>Make it a sector</button>`}</div>`}</section>`;
 }
 
 /**

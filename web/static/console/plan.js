@@ -9,6 +9,7 @@ import { drawEnds } from "./map_switch.js";
 import { addPoint } from "./measure.js";
 import { addCorner, placeOf } from "./notes.js";
 import { pickPlace } from "./robot_orders.js";
+import { drawSectors, openSector, sectorAt } from "./sectors.js";
 import { L } from "./vendor.js";
 
 /** @import {Store} from "./store.js" */
@@ -52,6 +53,7 @@ export class Plan {
       if (["ground", "layers", "ink"].includes(name)) pane.style.pointerEvents = "none";
     }
     this.ground = canvasLayer("ground", drawGround(store)).addTo(this.map);
+    this.sectors = canvasLayer("ink", drawSectors(store)).addTo(this.map);
     this.layers = new GroundLayers(this.map, store);
     this.told = canvasLayer("layers", (ctx, view) => this.layers.draw(ctx, view)).addTo(this.map);
     this.ink = canvasLayer("ink", drawInk(store)).addTo(this.map);
@@ -86,6 +88,8 @@ export class Plan {
       if (this.#take(event.latlng)) return;
       const id = this.#tagAt(event.latlng, CLICK_PX);
       if (id) store.select({ kind: "tag", id });
+      const sector = id ? undefined : sectorAt(store, event.latlng.lng, event.latlng.lat);
+      if (sector) openSector(store, sector.sector_id);
     });
     root.addEventListener("pointerdown", () => root.classList.remove("by-keys"), { capture: true });
     root.addEventListener("keydown", (event) => {
@@ -110,6 +114,7 @@ export class Plan {
     this.past.update();
     this.marks.update();
     this.ground.refresh();
+    this.sectors.refresh();
     this.ink.refresh();
     this.ends.refresh();
     if (this.mode === "fit") this.#fit();

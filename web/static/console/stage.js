@@ -9,6 +9,7 @@ import { BestWords, MapSwitch } from "./map_switch.js";
 import { MeasureTool } from "./measure.js";
 import { NoteCard, NoteTool } from "./notes.js";
 import { Search } from "./search.js";
+import { SectorPanel, SectorTool } from "./sectors.js";
 import { LAYERS } from "./store.js";
 import { Component, html } from "./vendor.js";
 
@@ -27,6 +28,7 @@ export function PlanTools({ store, plan, onSelect }) {
       <${LayerMenu} store=${store} />
       <${NoteTool} store=${store} />
       <${MeasureTool} store=${store} />
+      <${SectorTool} store=${store} />
     </div>
     <div class="tools tools-right">
       <${North} frame=${store.georeference} />
@@ -48,7 +50,8 @@ export function PlanTools({ store, plan, onSelect }) {
     <${BestWords} store=${store} />
     <${NoteCard} store=${store} />
     <${GeoreferencePanel} store=${store} />
-    ${!store.placing && html`<${PlanWords} store=${store} />`}`;
+    <${SectorPanel} store=${store} />
+    ${!store.placing && !store.sectorPanel && html`<${PlanWords} store=${store} />`}`;
 }
 
 /** @typedef {import("./earth.js").Georeference | null} Frame */

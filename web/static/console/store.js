@@ -31,6 +31,7 @@ export const LAYERS = /** @type {const} */ ({
   victims: ["Victims", true],
   responders: ["People at tags", true],
   notes: ["Notes and hazards", true],
+  sectors: ["Sectors", true],
   photos: ["Photos", true],
 });
 
@@ -61,6 +62,8 @@ export class Store {
     this.photo = null;
     /** What is being said of where the mission lies. @type {import("./georeference.js").Placing | null} */
     this.placing = null;
+    /** Which sector is open, null in it for the list of all. @type {{id: string | null, trouble: string} | null} */
+    this.sectorPanel = null;
     /** Photos that are being sent. */
     this.uploads = 0;
     this.exploredM2 = 0;
@@ -112,6 +115,8 @@ export class Store {
   get people() { return this.board.people; }
   get georeference() { return this.board.georeference; }
   get responders() { return this.board.responders; }
+  get sectors() { return this.board.sectors; }
+  get periods() { return this.board.periods; }
   get photos() { return this.board.photos; }
   get links() { return this.board.links; }
   get map() { return this.board.map; }

@@ -3,6 +3,9 @@
  *
  * @typedef {{mission_id: string, name: string, state: string, created_unix_s: number, clock_s?: number | null,
  *   stopped_all?: boolean, state_by?: string, state_unix_s?: number, ran_s?: number}} Mission
+ * @typedef {{sector_id: string, name: string, area_m: [number, number][], size_m2: number, status: string, robots: string[],
+ *   team: string, note: string, period: number | null, by: string, changed_unix_s: number}} Sector
+ * @typedef {{number: number, commander: string, objectives: string, begun_unix_s: number, ended_unix_s: number | null}} Period
  * @typedef {{photo_id: string, width: number, height: number, text: string, victim_id: string | null,
  *   annotation_id: string | null, tag_id: string | null, x_m: number | null, y_m: number | null, by: string,
  *   taken_unix_s: number | null, created_unix_s: number, address: string, thumbnail: string}} Photo

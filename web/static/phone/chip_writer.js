@@ -47,6 +47,13 @@ export function withNote(payload, author, text) {
   return placed(payload, halves, size, record);
 }
 
+/** What phones left on a chip, beside what robots sealed. @param {Uint8Array} payload @returns {Note[]} */
+export function notesOfPhones(payload) {
+  const halves = [payload, payload.subarray(payload.length >> 1)].flatMap(recordsIn);
+  const notes = halves.filter(({ isSealed }) => !isSealed).flatMap(({ content }) => notesIn(content));
+  return [...new Map(notes.map((note) => [`${note.author}\0${note.text}`, note])).values()];
+}
+
 /** @import {Found} from "./memory.js" */
 /** @typedef {{records: Found[], sealed: number}} Half the whole records in it, and where what robots sealed ends */
 

@@ -15,7 +15,7 @@ const KINDS = ["note", "victim", "mayday", "heard", "at"];
 
 /** Texts to show as codes, one after the other and again from the first. @param {Report[]} reports @returns {Promise<string[]>} */
 export async function framesOf(reports) {
-  const said = reports.slice(0, MOST_REPORTS).map(({ id, mission_id, kind, body, made_by, phone_unix_s, offset_s }) =>
+  const said = reports.filter(({ kind }) => KINDS.includes(kind)).slice(0, MOST_REPORTS).map(({ id, mission_id, kind, body, made_by, phone_unix_s, offset_s }) =>
     ({ id, mission_id, kind, body, made_by, phone_unix_s, offset_s }));
   const bytes = await through(new CompressionStream("deflate-raw"), JSON.stringify({ now_s: Date.now() / 1000, reports: said }));
   const whole = btoa(bytes.reduce((text, byte) => text + String.fromCharCode(byte), ""));

@@ -24,10 +24,10 @@ export function tagOfLink(text) {
 }
 
 /** Go to the tag of a link. A link of another server is asked about: its tag may be a namesake. @param {string} text */
-export function followLink(text) {
+export async function followLink(text) {
   const link = tagOfLink(text);
   if (link === null) return false;
-  if (link.host === location.host) touch(link.tagId);
+  if (link.host === location.host) await touch(link.tagId);
   else ask({ foreign: link });
   return true;
 }
@@ -40,7 +40,7 @@ function ask(change) {
 
 /** Go to the tag whose number somebody typed: one that the phone knows, else one that the server knows. @param {string} typed */
 export async function goToTyped(typed) {
-  if (followLink(typed)) return;
+  if (await followLink(typed)) return;
   const here = understood(typed, missions().flatMap(({ tag_ids }) => tag_ids));
   const there = here.tagIds.length ? null : await read(`/where?${new URLSearchParams({ typed })}`);
   const { tag_ids: found, trouble } = there ?? { tag_ids: here.tagIds, trouble: here.trouble };
@@ -50,8 +50,8 @@ export async function goToTyped(typed) {
 }
 
 /** @param {string} text what a QR code says */
-export function goToScanned(text) {
+export async function goToScanned(text) {
   if (takeCode(text)) return; // reports of another phone, of which there is more to come
   state.scanning = false;
-  if (!followLink(text)) ask({ trouble: say("not_a_tag", { text: text.slice(0, 60) }) });
+  if (!(await followLink(text))) ask({ trouble: say("not_a_tag", { text: text.slice(0, 60) }) });
 }

@@ -1,5 +1,6 @@
 /** Web NFC: reading tags by touching them with the phone, and leaving a word in their chips. Chrome on Android alone has it. */
 
+import { carryOn } from "./chip_carry.js";
 import { ChipRefusal, withNote } from "./chip_writer.js";
 import { followLink, tagOfLink } from "./meant.js";
 import { chipRead } from "./memory_view.js";
@@ -63,8 +64,10 @@ async function take(records) {
     await write(tag.tagId, address, payload, records.length);
     return;
   }
-  if (tag.tagId !== state.tagId) followLink(address);
-  if (payload) chipRead(tag.tagId, payload);
+  if (tag.tagId !== state.tagId) await followLink(address);
+  if (!payload) return;
+  chipRead(tag.tagId, payload);
+  if (state.where?.tag_id === tag.tagId) await carryOn(tag.tagId, payload).catch(() => undefined); // damaged: the page says so
 }
 
 /** @param {string} tagId @param {string} address @param {Uint8Array | null} payload @param {number} count of records on the chip */

@@ -74,10 +74,10 @@ function draw() {
   render(html`<${Mayday} />`, foot);
 }
 
-/** The tag and mission that the page's address names. */
-function here() {
-  const [, first, tag] = location.pathname.split("/");
-  return /** @type {const} */ ([first === "t" ? decodeURIComponent(tag ?? "") : "", new URLSearchParams(location.search).get("mission")]);
+/** The tag and mission that an address of this page names. */
+function here(address = new URL(location.href)) {
+  const [, first, tag] = address.pathname.split("/");
+  return /** @type {const} */ ([first === "t" ? decodeURIComponent(tag ?? "") : "", address.searchParams.get("mission")]);
 }
 
 addEventListener("popstate", () => touch(...here(), true));
@@ -99,3 +99,7 @@ keepFresh();
 lookForOrders();
 setInterval(changed, AGES_MS); // ages go on
 keepHere();
+// an installed page that is open takes the tag that was touched, without loading anything
+/** @type {any} */ (globalThis).launchQueue?.setConsumer((/** @type {{targetURL?: string}} */ { targetURL }) => {
+  if (targetURL && targetURL !== location.href) touch(...here(new URL(targetURL)));
+});

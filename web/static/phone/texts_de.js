@@ -82,7 +82,7 @@ export const DE = {
   some_refused: { one: "Eine Meldung hat der Server abgelehnt. Sehen Sie in die Liste.", other: "{n} Meldungen hat der Server abgelehnt. Sehen Sie in die Liste." },
   reports_wait: { one: "Eine Meldung wartet", other: "{n} Meldungen warten" },
   handover: "An ein anderes Telefon übergeben",
-  handover_how: "Auf dem anderen Telefon mit „Etikett scannen“ lesen, bis es sagt, dass es alles hat.",
+  handover_how: "Auf dem anderen Telefon mit „Etikett scannen“ lesen, bis es sagt, dass es alles hat. Fotos bleiben hier.",
   handover_code: "Ein Teil der Meldungen, als Code",
   handover_count: "Teil {k} von {n}",
   handover_got: "Teil {k} von {n}. Still halten.",

@@ -81,7 +81,7 @@ export const EN = {
   some_refused: { one: "One report was refused by the server. Look at the list.", other: "{n} reports were refused by the server. Look at the list." },
   reports_wait: { one: "One report waits to be sent", other: "{n} reports wait to be sent" },
   handover: "Hand them to another phone",
-  handover_how: "On the other phone, scan this with Scan a label, until it says that it has all.",
+  handover_how: "On the other phone, scan this with Scan a label, until it says that it has all. Photos stay here.",
   handover_code: "A part of the reports, as a code",
   handover_count: "Part {k} of {n}",
   handover_got: "Part {k} of {n}. Hold still.",
