@@ -221,6 +221,7 @@ class Explorer:
             trail=self.trail.points,
             path_m=np.zeros((0, 2)) if self._aim is None else rest_of(self._aim.path, ground.pose),
             tags=self.claims.tags(place_of),
+            tag_reach_m=self.claims.reach_m,
             battery=1.0 if battery is None else battery,
             settings=self._config.planning,
         )

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from math import inf
+from math import hypot, inf
 from zlib import crc32
 
 import numpy as np
@@ -18,7 +18,8 @@ from robots.exploration.explorer import Explorer
 from robots.exploration.strategy import AnswersTags, PlansLocally
 from robots.exploration.team.communication import Communication
 from robots.exploration.told.claims import PlaceOf
-from robots.exploration.told.witness import Witness
+from robots.exploration.told.hearsay import Hearsay
+from robots.exploration.told.witness import Witness, victims_near
 from robots.mapping.fused import FusedGrid
 from robots.mapping.local_grid import LocalGrid
 from robots.orders import RobotOrder
@@ -29,6 +30,7 @@ from robots.tags.marks import key_of
 from robots.tags.memory import TagMemory, TagMemoryError
 from robots.tags.sealed import close_memory, open_memory
 from robots.types import FrontierReport, LaserScan, Suspect, TagSighting, TagWrite
+from robots.victims import KnownVictim
 
 _TELL_EVERY_S = 1.0
 
@@ -61,10 +63,11 @@ class Situation:
     tags_left: int | None = None  # in the magazine
     orders: tuple[RobotOrder, ...] = ()
     suspects: tuple[Suspect, ...] = ()  # what may be a victim
+    victims: tuple[KnownVictim, ...] = ()
     read: tuple[TagSighting, ...] = ()
     heard: tuple[bytes, ...] = ()  # messages of the team
     tag_place: PlaceOf = _no_place
-    tag_sd_m: float = 0.0  # of the places of tags
+    tag_sd_m: float = 0.0  # of the places of the tags read now
     tag_places: Callable[[], Sequence[tuple[float, float]]] = tuple
     own_map: Callable[[], Sequence[TagBelief]] = tuple
 
@@ -99,6 +102,7 @@ class Scout:
         self.explorer.claims.own = key_of(robot_id)
         self._dropper = TagDropper(config.deployment, config.mapping, (config.seed, own, 2))
         self._witness = Witness(robot_id, config.planning.min_frontier_m)
+        self._hearsay = Hearsay()
         self._local: LocalGrid | None = None
         self.decision = Decision(0.0, 0.0, "starting", "waiting for the first scan")
         self.frontiers: tuple[FrontierReport, ...] = ()
@@ -164,9 +168,10 @@ class Scout:
             say = self._communication.say(
                 now.stamp_s, now.pose, self.decision.goal_m, whole, now.scan.range_max_m, busy
             )
-        self.explorer.claims.tag_sd_m = now.tag_sd_m
         for sighting in now.read:
             self._hear(now, sighting)
+        if now.read and now.tag_sd_m == 0.0:
+            self._hearsay.draw(self.explorer.claims.tags(now.tag_place))
         writes = tuple(self._writes(now, sighting) for sighting in now.read)
         return Intent(self.decision, drop, tuple(w for w in writes if w is not None), say, doubts)
 
@@ -203,7 +208,10 @@ class Scout:
         except TagMemoryError:
             return
         if says.trusted:
-            self.explorer.claims.hear(sighting.tag_id, says.memory, now.stamp_s)
+            claims, place = self.explorer.claims, now.tag_place(sighting.tag_id)
+            claims.hear(sighting.tag_id, says.memory, now.stamp_s, now.tag_sd_m)
+            if place is not None:
+                claims.reach_m = max(claims.reach_m, hypot(place[0] - now.pose.x, place[1] - now.pose.y))
 
     def _writes(self, now: Situation, sighting: TagSighting) -> TagWrite | None:
         """Leave in the tag what is known round it, and where the others are, merged with what it said."""
@@ -235,7 +243,16 @@ class Scout:
             return TagMemory.empty()
         grid = self.explorer.grids.own.of(now.fused, np.zeros((0, 3)))
         trail_m, goal_m = self.explorer.trail.points, self.decision.goal_m
-        return self._witness.about(tag_id, place, said, grid, trail_m, goal_m, now.stamp_s)
+        heard = self._heard_of(now, place, said)
+        said = said.merge(heard)
+        seen = self._witness.about(tag_id, place, said, grid, trail_m, goal_m, now.stamp_s)
+        return heard.merge(replace(seen, victims=victims_near(now.victims, place)))
+
+    def _heard_of(self, now: Situation, place: tuple[float, float], said: TagMemory) -> TagMemory:
+        """Return what other tags said of the ground round a tag, where places are known without error."""
+        if now.tag_sd_m > 0.0:
+            return TagMemory.empty()
+        return self._hearsay.about(place, self._witness.phase_at(place, said))
 
     def _map_to_leave(self, now: Situation) -> tuple[WriterMap, ...]:
         if not self.config.map_memory or now.seq is None:

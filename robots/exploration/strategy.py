@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from robots.config import PlanningConfig
 from robots.exploration.frontiers import Frontier
-from robots.exploration.told.claims import KnownTag, Survey
+from robots.exploration.told.claims import KnownTag
+from robots.exploration.told.survey import Survey
 from robots.planning.plan_grid import PlanGrid
 from robots.se2 import Array, Pose2
 from robots.tags.memory import TagMemory
@@ -25,7 +26,7 @@ class ExplorationView:
     its cells costs in fifths of a cell (UNREACHED where it cannot). ``trail`` (k, 4): x, y, heading, stamp of
     where it was, oldest first, ``mates_trail`` (m, 4) of where others
     were that were heard; ``path_m`` (n, 2): the rest of its way to its last goal; ``tags``: all that it
-    read, ``base_m`` where reports go; ``battery`` 1 full, 0 empty.
+    read, from up to ``tag_reach_m`` off, ``base_m`` where reports go; ``battery`` 1 full, 0 empty.
     """
 
     pose: Pose2
@@ -37,6 +38,7 @@ class ExplorationView:
     trail: Array = field(default_factory=lambda: np.zeros((0, 4)))
     path_m: Array = field(default_factory=lambda: np.zeros((0, 2)))
     tags: tuple[KnownTag, ...] = ()
+    tag_reach_m: float = 0.0
     mates_trail: Array = field(default_factory=lambda: np.zeros((0, 4)))
     base_m: tuple[float, float] = (0.0, 0.0)
     battery: float = 1.0

@@ -21,18 +21,25 @@ from robots.tags.memory import (
     TagMemory,
     shift_of,
 )
-from robots.tags.window import no_cells, trimmed
+from robots.tags.window import no_cells, resized, trimmed
 
 _KNOWN_SHARE = 0.25  # walls fill much of a cell; what is free in it is closed all the same
 
 
 def observed_memory(
-    grid: PlanGrid, tag_x: float, tag_y: float, phase: int = CENTRED, min_frontier_m: float = 0.0
+    grid: PlanGrid,
+    tag_x: float,
+    tag_y: float,
+    phase: int = CENTRED,
+    min_frontier_m: float = 0.0,
+    told: NDArray[np.uint8] | None = None,
 ) -> TagMemory:
     """Return what a robot's plan grid (map frame, x north) knows round a tag at (x, y).
 
     ``phase``: the lattice of its cells. A cell is open while a frontier of ``min_frontier_m`` or more lies in
     it, and else closed once some of it is known: there is no way from a closed cell to one nobody has seen.
+    ``told`` (s, s), on the same lattice: what was called open is closed once no frontier is left and anything
+    of it is known, or strips along walls stay open for ever.
     """
     if not grid.cells.size:
         return TagMemory.empty()
@@ -44,6 +51,8 @@ def observed_memory(
     full = (CELL_M / grid.cell_m) ** 2
     seen = _sums(known, x_edges, y_edges) >= _KNOWN_SHARE * full
     open_ = _sums(edge, x_edges, y_edges) > 0
+    if told is not None:
+        seen |= (resized(told, SIDE) == OPEN) & (_sums(known, x_edges, y_edges) > 0)
     cells = np.where(open_, OPEN, np.where(seen, CLOSED, 0)).astype(np.uint8)
     return TagMemory(trimmed(cells), phase=phase if cells.any() else CENTRED)
 

@@ -22,6 +22,8 @@ from robots.se2 import Array
 _DETOUR = 1.5  # what a metre through claimed ground costs: nothing is known of its walls
 _FARTHEST_M = 15.0  # beyond claimed ground: farther counts alike
 _JUST_DRIVEN = 16  # points of the robot's own trail, 4 m, that say nothing yet
+_FROM_AFAR_M = 1.5  # a tag read from so far was read before the robot drove where its writer did;
+_ALONG_M = 4.0  # else it knows of the ground ahead what its writer knew there: so much it costs to follow
 _TAKEN_M, _TAKEN_WITHIN_M = 6.0, 4.0  # what it costs to go where others went, and how near that is
 
 
@@ -45,11 +47,7 @@ class Waymark:
         if view.settings.local_map_m:  # what is claimed was left out
             untold, _ = self._far.survey().shares(places_of(view), SEEN_M)
             return WORTH_M * untold - ways_of(view)
-        untold, _ = view.survey.shares(goals_of(view), SEEN_M)
-        beyond = _beyond(view)
-        seen = np.maximum(0.0, 1.0 - beyond / SEEN_M)  # what is untold behind claimed ground is behind walls
-        taken = _TAKEN_M * (promised(view) + trodden(view))
-        return WORTH_M * untold * seen - _DETOUR * beyond - taken - ways_of(view)
+        return _prospects(view) - ways_of(view)
 
     def reason(self, view: ExplorationView, index: int) -> str:
         """Return how much is to be seen, or why it goes where others were."""
@@ -73,7 +71,30 @@ def promised(view: ExplorationView) -> Array:
 
 def trodden(view: ExplorationView) -> Array:
     """Return how near, 0 to 1, each frontier is to where robots drove, this one or those it read of, (n,)."""
-    return _nearness(goals_of(view), np.concatenate([view.trail[:-_JUST_DRIVEN, :2], driven(view.tags)]))
+    return _nearness(goals_of(view), _trails(view))
+
+
+def _prospects(view: ExplorationView) -> Array:
+    """Return what is to be seen at frontiers, or beyond claimed ground less the way through it, (n,)."""
+    survey = view.survey
+    if view.grid is None or not survey.claimed.any():
+        untold, _ = survey.shares(goals_of(view), SEEN_M)
+        return WORTH_M * untold - _TAKEN_M * (promised(view) + trodden(view))
+    taken = survey.nearness(survey.promised, _TAKEN_WITHIN_M) + survey.nearness(
+        _trails(view), _TAKEN_WITHIN_M
+    )
+    lost = WORTH_M * (1.0 - survey.untold(SEEN_M)) + _TAKEN_M * taken
+    cells = np.array([frontier.goal for frontier in view.frontiers]).reshape(-1, 2)
+    most_m = _FARTHEST_M + WORTH_M / _DETOUR
+    worths: Array = WORTH_M - _DETOUR * ways_beyond(view.grid, survey, cells, most_m, lost / _DETOUR)
+    if view.tag_reach_m < _FROM_AFAR_M:
+        worths -= _ALONG_M * (promised(view) + trodden(view))
+    return worths
+
+
+def _trails(view: ExplorationView) -> Array:
+    """Return where robots drove, this one or those it read of, (n, 2)."""
+    return np.concatenate([view.trail[:-_JUST_DRIVEN, :2], driven(view.tags)])
 
 
 def places_of(view: ExplorationView) -> Array:

@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from robots.exploration.told.claims import LATTICE_M, KnownTag, Survey
+from robots.exploration.told.claims import KnownTag
+from robots.exploration.told.survey import LATTICE_M, Survey
 from robots.planning.plan_grid import FREE, OCCUPIED, UNKNOWN, PlanGrid
 from robots.se2 import Array
 from robots.tags.memory import CELL_M, CLOSED, OPEN, UNSEEN, TagMemory

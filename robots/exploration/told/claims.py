@@ -7,7 +7,7 @@ overrules it: claims only speak of ground that is unknown in its own map.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from math import ceil
 
 import numpy as np
@@ -15,11 +15,13 @@ from numba import njit
 from numpy.typing import NDArray
 from scipy import ndimage
 
+from robots.exploration.told.shade import shaded
+from robots.exploration.told.survey import LATTICE_M, Survey
 from robots.planning.plan_grid import UNKNOWN, PlanGrid
 from robots.se2 import Array
 from robots.tags.memory import CELL_M, CLOSED, TagMemory
 
-LATTICE_M = 0.5
+_SURE_SD = 2.0  # deviations of a tag's place that what it says has to hold for, to be believed
 _PER_CELL = round(CELL_M / LATTICE_M)
 PlaceOf = Callable[[str], tuple[float, float] | None]  # of a tag in the map frame, None where unknown
 
@@ -45,15 +47,16 @@ class Claims:
 
     def __init__(self) -> None:
         self.own: int | None = None  # the key by which tags know this robot: its own goals are no news
-        self.tag_sd_m = 0.0  # of the places where tags are believed
+        self.reach_m = 0.0  # the farthest off that a tag was read
         self._memories: dict[str, TagMemory] = {}
         self._read_s: dict[str, float] = {}
+        self._sds_m: dict[str, float] = {}  # of the places where tags are believed
 
-    def hear(self, tag_id: str, memory: TagMemory, now_s: float = 0.0) -> None:
-        """Take in what a tag of the mission says."""
+    def hear(self, tag_id: str, memory: TagMemory, now_s: float = 0.0, sd_m: float = 0.0) -> None:
+        """Take in what a tag of the mission says; ``sd_m`` of the place where it is believed."""
         known = self._memories.get(tag_id, TagMemory.empty())
         self._memories[tag_id] = known.merge(memory.uncut())
-        self._read_s[tag_id] = now_s
+        self._read_s[tag_id], self._sds_m[tag_id] = now_s, sd_m
 
     def tags(self, place_of: PlaceOf) -> tuple[KnownTag, ...]:
         """Return the tags that were read and have a place, by id."""
@@ -68,10 +71,10 @@ class Claims:
         """Return what is unknown, here and to all whose word was read, as the tags lie now."""
         unknown = _unknown_shares(grid.cells, grid.cell_m, LATTICE_M)
         claimed, whole = np.zeros(unknown.shape, np.uint8), np.zeros(unknown.shape, np.uint8)
-        rings = ceil(self.tag_sd_m / LATTICE_M - 1e-9)
         promised = []
         for tag in self.tags(place_of):
             fine = np.repeat(np.repeat(tag.memory.cells.T, _PER_CELL, axis=0), _PER_CELL, axis=1)
+            rings = ceil(_SURE_SD * self._sds_m[tag.tag_id] / LATTICE_M - 1e-9)
             _draw(whole, fine, tag, grid.origin)
             _draw(claimed, _eroded(fine, rings), tag, grid.origin)
             promised += [
@@ -80,48 +83,8 @@ class Claims:
                 if p.key != self.own and p.goal_m is not None
             ]
         doubtful = (whole == CLOSED) & (claimed != CLOSED)
-        return Survey(unknown, claimed, grid.origin, np.array(promised).reshape(-1, 2), doubtful)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Survey:
-    """A lattice of ``LATTICE_M``: ``unknown`` (r, c), the share of each cell; ``claimed`` (r, c), its state.
-
-    Cell (0, 0) has its lower left corner at ``origin`` (x, y) in the map frame. Beyond it all is unknown.
-    ``promised`` (n, 2): where others went, as they told tags. ``doubtful`` (r, c): what would be claimed too
-    if the tags were known to lie where they are believed to.
-    """
-
-    unknown: Array
-    claimed: NDArray[np.uint8]
-    origin: tuple[float, float]
-    promised: Array = field(default_factory=lambda: np.zeros((0, 2)))
-    doubtful: NDArray[np.bool_] | None = None
-    _told: dict[tuple[bytes, float], tuple[Array, Array]] = field(default_factory=dict, repr=False)
-
-    def shares(self, points_m: Array, within_m: float) -> tuple[Array, Array]:
-        """Return how much of the squares round points (n, 2) nobody has told of, and how much is claimed.
-
-        Shares (n,) of squares that reach ``within_m`` to every side; both speak of ground unknown here.
-        """
-        asked = points_m.tobytes(), within_m  # the same for every robot that frontiers are weighed for
-        if asked not in self._told:
-            self._told[asked] = self._shares(points_m, within_m)
-        return self._told[asked]
-
-    def _shares(self, points_m: Array, within_m: float) -> tuple[Array, Array]:
-        reach = round(within_m / LATTICE_M)
-        told = self.claimed == CLOSED
-        open_, claimed = (
-            _sums(part, self._cells(points_m), reach) for part in (~told * self.unknown, told * self.unknown)
-        )
-        size = float((2 * reach + 1) ** 2)
-        inside = _sums(np.ones_like(self.unknown), self._cells(points_m), reach)
-        return (open_ + size - inside) / size, claimed / size
-
-    def _cells(self, points_m: Array) -> NDArray[np.int64]:
-        found: Array = np.floor((points_m[:, ::-1] - np.array(self.origin[::-1])) / LATTICE_M)
-        return found.astype(np.int64)
+        shade = shaded(whole, unknown)
+        return Survey(unknown, claimed, grid.origin, np.array(promised).reshape(-1, 2), doubtful, shade)
 
 
 @njit(cache=True)
@@ -173,18 +136,3 @@ def _draw(
     if top < bottom and left < right:
         part = claimed[top:bottom, left:right]
         np.maximum(part, fine[top - row : bottom - row, left - column : right - column], out=part)
-
-
-def _sums(values: Array, cells: NDArray[np.int64], reach: int) -> Array:
-    """Return the sums over squares round cells (n, 2), cut off at the border."""
-    total = np.zeros((values.shape[0] + 1, values.shape[1] + 1))
-    total[1:, 1:] = values.cumsum(axis=0).cumsum(axis=1)
-    low = np.clip(cells - reach, 0, values.shape)
-    high = np.clip(cells + reach + 1, 0, values.shape)
-    sums: Array = (
-        total[high[:, 0], high[:, 1]]
-        - total[low[:, 0], high[:, 1]]
-        - total[high[:, 0], low[:, 1]]
-        + total[low[:, 0], low[:, 1]]
-    )
-    return sums

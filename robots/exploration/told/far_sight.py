@@ -14,7 +14,7 @@ import numpy as np
 from robots.exploration.frontiers import Frontier, find_frontiers
 from robots.exploration.strategy import ExplorationView
 from robots.exploration.told.atlas import Atlas
-from robots.exploration.told.claims import Survey
+from robots.exploration.told.survey import Survey
 from robots.exploration.told.tag_ways import Place, TagWays, apart, nearest_reachable, reachable_near
 from robots.planning.plan_grid import OCCUPIED, UNKNOWN, PlanGrid
 from robots.se2 import Array

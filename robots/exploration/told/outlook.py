@@ -10,7 +10,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from robots.exploration.told.claims import LATTICE_M, Survey
+from robots.exploration.told.survey import LATTICE_M, Survey
 from robots.planning.plan_grid import FREE, OCCUPIED, PlanGrid
 from robots.se2 import Array
 from robots.tags.memory import CLOSED, OPEN
@@ -18,16 +18,26 @@ from robots.tags.memory import CLOSED, OPEN
 _KNOWN, _TOLD, _RIM, _NEWS, _WALL = 0, 1, 2, 3, 4
 
 
-def ways_beyond(grid: PlanGrid, survey: Survey, cells: NDArray[np.int64], most_m: float) -> Array:
-    """Return the way from cells (n, 2) of a grid to the next ground nobody has told of, (n,), in metres.
+def ways_beyond(
+    grid: PlanGrid,
+    survey: Survey,
+    cells: NDArray[np.int64],
+    most_m: float,
+    handicaps_m: Array | None = None,
+) -> Array:
+    """Return the way from cells (n, 2) of a grid to the best ground nobody has told of, (n,), in metres.
 
-    ``most_m`` where it is farther, or where others have told of all that can be reached.
+    ``handicaps_m`` (r, c) is added to the way to a cell of the survey's lattice; without them the nearest is
+    best. ``most_m`` where it comes to more, or where others have told of all that can be reached.
     """
     if not survey.claimed.any() or len(cells) == 0:
         return np.zeros(len(cells))
-    told = survey.claimed if survey.doubtful is None else np.where(survey.doubtful, CLOSED, survey.claimed)
-    kinds = _kinds(grid.cells, told.astype(np.uint8), grid.cell_m / LATTICE_M)
-    ways = _flood(kinds, most_m / grid.cell_m)
+    told = np.where(survey.left_out(), CLOSED, survey.claimed)
+    handicaps = np.zeros(told.shape) if handicaps_m is None else handicaps_m / grid.cell_m
+    per_cell = grid.cell_m / LATTICE_M
+    ways = _flood(
+        _kinds(grid.cells, told.astype(np.uint8), per_cell), handicaps, per_cell, most_m / grid.cell_m
+    )
     found: Array = ways[cells[:, 0], cells[:, 1]] * grid.cell_m
     return found
 
@@ -49,8 +59,8 @@ def _kinds(cells: NDArray[np.uint8], claimed: NDArray[np.uint8], per_cell: float
 
 
 @njit(cache=True)
-def _flood(kinds: NDArray[np.uint8], most: float) -> Array:
-    """Return the way from each cell to the nearest news, in cells, by sweeps until nothing changes.
+def _flood(kinds: NDArray[np.uint8], handicaps: Array, per_cell: float, most: float) -> Array:
+    """Return the way from each cell to the best news, in cells, by sweeps until nothing changes.
 
     From known ground into news or told ground, through told ground to its rim, never from it into news.
     """
@@ -59,7 +69,7 @@ def _flood(kinds: NDArray[np.uint8], most: float) -> Array:
     for r in range(rows):
         for c in range(columns):
             if kinds[r, c] == _NEWS or kinds[r, c] == _RIM:
-                ways[r, c] = 0.0
+                ways[r, c] = min(most, handicaps[int((r + 0.5) * per_cell), int((c + 0.5) * per_cell)])
     changed = True
     while changed:
         changed = False
@@ -69,12 +79,12 @@ def _flood(kinds: NDArray[np.uint8], most: float) -> Array:
                 for j in range(columns):
                     c = j if sweep & 2 == 0 else columns - 1 - j
                     kind = kinds[r, c]
-                    if kind in (_NEWS, _RIM, _WALL):
+                    if kind in (_NEWS, _WALL):
                         continue
                     best = ways[r, c]
                     for v in range(max(0, r - 1), min(rows, r + 2)):
                         for u in range(max(0, c - 1), min(columns, c + 2)):
-                            if kinds[v, u] == _WALL or (kind == _TOLD and kinds[v, u] == _NEWS):
+                            if kinds[v, u] == _WALL or (kind != _KNOWN and kinds[v, u] == _NEWS):
                                 continue
                             best = min(best, ways[v, u] + (1.41 if v != r and u != c else 1.0))
                     if best < ways[r, c] - 1e-9:

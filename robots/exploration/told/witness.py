@@ -6,17 +6,21 @@ has to agree with another.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
+from math import hypot
 
 from robots.planning.plan_grid import PlanGrid
 from robots.se2 import Array
-from robots.tags.marks import goal_mark
+from robots.tags.marks import VictimMark, goal_mark, merged_marks, victim_mark
 from robots.tags.memory import CELL_M, TagMemory, phase_of
 from robots.tags.observed import observed_memory, visited_window
+from robots.victims import KnownVictim
 
 _ANEW_S = 20.0  # not read for so long: it is passed once more
 _OTHER_GOAL_M = 2.0
 _MOST = 255
+_VICTIMS_WITHIN_M = 20.0  # of a tag: farther off, another tag is nearer
 Place = tuple[float, float]
 
 
@@ -28,6 +32,14 @@ class Witness:
         self._min_frontier_m = min_frontier_m
         self._corner: Place | None = None  # of a cell of the lattice that this robot found, or began
         self._passes: dict[str, tuple[int, int, float, Place]] = {}  # count, serial, last read, goal
+
+    def phase_at(self, place: Place, said: TagMemory) -> int:
+        """Return the lattice on which a tag at a place is told: its own, one found elsewhere, or begun."""
+        if said.has_coverage:
+            self._corner = self._corner or _corner(place, said.phase)
+            return said.phase
+        self._corner = self._corner or (place[0] - CELL_M / 2.0, place[1] - CELL_M / 2.0)
+        return phase_of(*place, self._corner)
 
     def about(
         self,
@@ -50,15 +62,10 @@ class Witness:
             goal_m: where it drives.
             now_s: by its own clock.
         """
-        if said.has_coverage:
-            phase = said.phase
-            self._corner = self._corner or _corner(place, phase)
-        else:
-            self._corner = self._corner or (place[0] - CELL_M / 2.0, place[1] - CELL_M / 2.0)
-            phase = phase_of(*place, self._corner)
+        phase = self.phase_at(place, said)
         count, serial, goal = self._pass(tag_id, goal_m or place, now_s)
         return replace(
-            observed_memory(grid, *place, phase, self._min_frontier_m),
+            observed_memory(grid, *place, phase, self._min_frontier_m, said.cells),
             passes=(goal_mark(self._robot_id, count, serial, goal[0] - place[0], goal[1] - place[1]),),
             visited=visited_window(trail_m, *place),
         )
@@ -74,6 +81,18 @@ class Witness:
             goal = before
         self._passes[tag_id] = count, serial, now_s, goal
         return count, serial, goal
+
+
+def victims_near(victims: Sequence[KnownVictim], place: Place) -> tuple[VictimMark, ...]:
+    """Return what to tell a tag at a place of the victims near it, all in the map frame."""
+    offsets = [(victim, victim.place_m[0] - place[0], victim.place_m[1] - place[1]) for victim in victims]
+    return merged_marks(
+        *(
+            victim_mark(victim.victim_id, victim.confidence, victim.last_seen_s, north, west)
+            for victim, north, west in offsets
+            if hypot(north, west) < _VICTIMS_WITHIN_M
+        )
+    )
 
 
 def _corner(place: Place, phase: int) -> Place:

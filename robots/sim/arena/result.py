@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from robots.exploration.told.claims import LATTICE_M
+from robots.exploration.told.survey import LATTICE_M
 from robots.sim.arena.ground import Ground
 from robots.sim.arena.robot import ArenaRobot
 from robots.sim.world import Cells, Mask

@@ -19,7 +19,8 @@ from robots.exploration.coordination.team import NEVER, Mate, Selfish, Team, gre
 from robots.exploration.frontiers import Frontier
 from robots.exploration.strategies.nearest import Nearest
 from robots.exploration.strategy import ExplorationView, ways_of
-from robots.exploration.told.claims import KnownTag, Survey
+from robots.exploration.told.claims import KnownTag
+from robots.exploration.told.survey import Survey
 from robots.planning.plan_grid import FREE, OCCUPIED, PlanGrid
 from robots.planning.travel import UNREACHED, travel_costs
 from robots.se2 import Pose2

@@ -16,7 +16,8 @@ from robots.exploration.strategies.kleiner_printed import (
     synchronise_visited,
 )
 from robots.exploration.strategy import ExplorationView
-from robots.exploration.told.claims import KnownTag, Survey
+from robots.exploration.told.claims import KnownTag
+from robots.exploration.told.survey import Survey
 from robots.planning.plan_grid import FREE, UNKNOWN, PlanGrid
 from robots.se2 import Pose2
 from robots.tags.memory import OPEN, TagMemory

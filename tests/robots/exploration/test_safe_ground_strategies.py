@@ -8,7 +8,7 @@ from robots.exploration.strategies.aojrf import Aojrf
 from robots.exploration.strategies.mcdm import CAPACITY, Mcdm
 from robots.exploration.strategies.three_grids import Candidate
 from robots.exploration.strategy import ExplorationView
-from robots.exploration.told.claims import Survey
+from robots.exploration.told.survey import Survey
 from robots.planning.plan_grid import FREE, OCCUPIED, UNKNOWN, PlanGrid
 from robots.planning.travel import travel_costs
 from robots.se2 import Pose2

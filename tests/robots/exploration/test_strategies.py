@@ -1,5 +1,7 @@
 """What the strategies find worth going to."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -9,7 +11,8 @@ from robots.exploration.strategies.information_gain import InformationGain
 from robots.exploration.strategies.nearest import Nearest
 from robots.exploration.strategies.waymark import Waymark
 from robots.exploration.strategy import ExplorationView
-from robots.exploration.told.claims import Survey
+from robots.exploration.told.survey import Survey
+from robots.planning.plan_grid import FREE, UNKNOWN, PlanGrid
 from robots.se2 import Pose2
 from robots.tags.memory import CLOSED, OPEN
 
@@ -48,6 +51,23 @@ def test_what_others_covered_is_left_to_the_last_and_only_by_waymark():
     assert best(Waymark(), view((NEAR,), claimed_to_x_m=12.0)) is NEAR
     assert Waymark().reason(seen, 0) == "cross covered ground to what beyond it is open"
     assert Waymark().reason(seen, 1) == "see about 36 m² of new ground"
+
+
+def test_who_reads_tags_only_under_its_feet_does_not_follow_others():
+    """From afar a tag is read before one drives where its writer did: it tells of the way ahead."""
+    cells = np.full((20, 60), UNKNOWN, np.uint8)
+    cells[5:15, :40] = FREE
+    grid = PlanGrid(cells, np.zeros_like(cells), (0.0, 0.0), 0.5)
+    edges = tuple(Frontier((row, 39), grid.centre_of(row, 39), 1.0, 5.0) for row in (5, 14))
+    claimed = np.zeros((20, 60), np.uint8)
+    claimed[:, 50:] = CLOSED
+    survey = Survey(
+        np.where(cells == UNKNOWN, 1.0, 0.0), claimed, (0.0, 0.0), promised=np.array([(20.0, 2.0)])
+    )
+    afar = ExplorationView(Pose2(), edges, survey, grid=grid, tag_reach_m=4.0)
+    lost = Waymark().worths(afar) - Waymark().worths(replace(afar, tag_reach_m=0.3))
+    assert lost[0] > 3.0
+    assert lost[1] == pytest.approx(0.0)
 
 
 def test_ground_with_an_open_frontier_is_no_claim():

@@ -6,7 +6,8 @@ import pytest
 from robots.exploration.frontiers import Frontier
 from robots.exploration.strategies.ziparo import Ziparo, angles, local_visits, visited
 from robots.exploration.strategy import ExplorationView
-from robots.exploration.told.claims import KnownTag, Survey
+from robots.exploration.told.claims import KnownTag
+from robots.exploration.told.survey import Survey
 from robots.se2 import Pose2
 from robots.tags.memory import TagMemory
 

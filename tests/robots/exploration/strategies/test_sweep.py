@@ -11,7 +11,7 @@ from robots.exploration.settings import SafeGroundConfig
 from robots.exploration.strategies.sweep import Sweep, kinds_of
 from robots.exploration.strategies.waymark import Waymark
 from robots.exploration.strategy import ExplorationView
-from robots.exploration.told.claims import Survey
+from robots.exploration.told.survey import Survey
 from robots.planning.plan_grid import FREE, OCCUPIED, PlanGrid
 from robots.planning.travel import travel_costs
 from robots.se2 import Pose2

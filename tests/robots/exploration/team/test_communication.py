@@ -10,7 +10,7 @@ from robots.exploration.strategies.nearest import Nearest
 from robots.exploration.strategy import ExplorationView
 from robots.exploration.team.communication import MATE_FOR_S, SAY_EVERY_S, Communication
 from robots.exploration.team.team_message import decode_message
-from robots.exploration.told.claims import Survey
+from robots.exploration.told.survey import Survey
 from robots.mapping.fused import FusedGrid
 from robots.se2 import Pose2
 

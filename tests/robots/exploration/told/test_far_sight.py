@@ -9,8 +9,9 @@ from robots.config import PlanningConfig
 from robots.exploration.strategies.waymark import Waymark
 from robots.exploration.strategy import ExplorationView
 from robots.exploration.told.atlas import Atlas
-from robots.exploration.told.claims import KnownTag, Survey
+from robots.exploration.told.claims import KnownTag
 from robots.exploration.told.far_sight import FarFrontier, FarSight
+from robots.exploration.told.survey import Survey
 from robots.exploration.told.tag_ways import TagWays
 from robots.planning.plan_grid import FREE, OCCUPIED, UNKNOWN, PlanGrid
 from robots.planning.travel import travel_costs

@@ -5,6 +5,7 @@ import pytest
 
 from robots.exploration.told.claims import Claims
 from robots.exploration.told.outlook import ways_beyond
+from robots.exploration.told.survey import LATTICE_M
 from robots.planning.plan_grid import FREE, OCCUPIED, UNKNOWN, PlanGrid
 from robots.tags.memory import CLOSED, OPEN, TagMemory
 
@@ -58,3 +59,16 @@ def test_walls_that_the_robot_knows_are_in_the_way():
     grid = corridor()
     grid.cells[5:25, 99] = OCCUPIED
     assert beyond((12.5, covered(5, OPEN)), grid=grid) == FARTHEST_M
+
+
+def test_better_ground_farther_on_counts_for_more_than_the_nearest():
+    claims = Claims()
+    claims.hear("A", TagMemory(covered(5, OPEN)))
+    claims.hear("B", TagMemory(covered(5, OPEN)))
+    survey = claims.survey(corridor(), {"A": (12.5, 0.0), "B": (23.5, 0.0)}.get)
+    handicaps = np.zeros(survey.claimed.shape)
+    ways = []
+    for handicap_m in (0.0, 5.0, 20.0):
+        handicaps[:, : round(20.0 / LATTICE_M)] = handicap_m
+        ways += list(ways_beyond(corridor(), survey, np.array([[15, 98]]), 30.0, handicaps))
+    assert ways == pytest.approx([17.0 - 9.85, 22.0 - 9.85, 28.0 - 9.85], abs=0.3)

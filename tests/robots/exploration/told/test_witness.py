@@ -3,9 +3,9 @@
 import numpy as np
 
 from robots.exploration.told.witness import Witness
-from robots.planning.plan_grid import FREE, PlanGrid
+from robots.planning.plan_grid import FREE, OCCUPIED, UNKNOWN, PlanGrid
 from robots.tags.marks import key_of
-from robots.tags.memory import CENTRED, CLOSED, TagMemory, phase_of
+from robots.tags.memory import CENTRED, CLOSED, OPEN, UNSEEN, TagMemory, phase_of
 from robots.tags.observed import observed_memory
 
 GRID = PlanGrid(np.full((100, 100), FREE, np.uint8), np.zeros((100, 100), np.uint8), (-5.0, -5.0), 0.1)
@@ -45,3 +45,20 @@ def test_new_tags_get_the_lattice_of_the_first_that_told():
     assert about(Witness("r2", 0.5), place=(1.5, 0.5)).phase == CENTRED
     foreign = observed_memory(GRID, 2.0, 0.0, 17)
     assert about(witness, place=(2.0, 0.0), said=foreign).phase == 17
+
+
+def test_what_was_called_open_is_closed_once_its_edge_is_gone():
+    """A cell over the outer wall: a frontier while its strip of free ground was new, then hardly known."""
+    cells = np.full((100, 100), UNKNOWN, np.uint8)
+    cells[:, :51] = FREE
+    cells[:, 51] = OCCUPIED
+    grid = PlanGrid(cells, np.zeros_like(cells), (-5.0, -5.0), 0.1)
+    strip = np.zeros((3, 3), np.uint8)
+    strip[2, 1] = OPEN  # x 0.5 to 1.5, of which nothing is known
+    touched = np.zeros((3, 3), np.uint8)
+    touched[1, 1] = OPEN
+    for said, state in ((TagMemory.empty(), UNSEEN), (TagMemory(touched), CLOSED)):
+        told = Witness("r1", 0.5).about("A", (0.45, 0.0), said, grid, TRAIL, None, 0.0)
+        assert told.cells[len(told.cells) // 2, len(told.cells) // 2] == state
+    told = Witness("r1", 0.5).about("A", (0.0, 0.0), TagMemory(strip), grid, TRAIL, None, 0.0)
+    assert told.cells[len(told.cells) // 2 + 1, len(told.cells) // 2] == UNSEEN
