@@ -11,7 +11,9 @@ from robots.tags.sealed import close_memory, open_memory
 from robots.types import DistanceTurn, HeatReading, ImuReading, LaserScan, Observation, TagSighting
 
 KEY = "00ff17"
-LIE = TagMemory(np.full((3, 3), CLOSED, np.uint8))
+LIE = TagMemory(
+    np.full((7, 7), CLOSED, np.uint8)
+)  # so large that its middle holds for the doubt of its place
 
 
 def drive(memory: bytes, heat: tuple[HeatReading, ...] = ()):
@@ -87,3 +89,10 @@ def test_a_victim_that_it_knows_is_left_in_a_tag_near_it_with_where_it_lies():
     assert mark.confidence / 255 == pytest.approx(known.confidence, abs=0.01)
     _, (silent,) = drive(b"")
     assert open_memory(silent.memory, "A", bytes.fromhex(KEY)).memory.victims == ()
+
+
+def test_what_is_told_counts_as_far_as_the_robot_knows_where_the_tag_lies():
+    agent, _ = drive(close_memory(LIE, 7, "A", bytes.fromhex(KEY), 196))
+    sd_m = float(np.sqrt(np.linalg.eigvalsh(agent._slam.belief.covariance[:2, :2])[-1]))
+    assert 0.3 * sd_m < agent._scout.explorer.claims._sds_m["A"] <= sd_m  # as it was when it read the tag
+    assert 0 < claimed(agent) < LIE.cells.size * 4  # its rim is in doubt
