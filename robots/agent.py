@@ -12,17 +12,18 @@ from dataclasses import replace
 from functools import partial
 from math import isfinite
 
+import numpy as np
+
 from robots.config import AgentConfig
 from robots.estimation.slam import Slam, begin_slam
 from robots.estimation.slip.detector import SlipDetector
 from robots.estimation.slip.patches import UNKNOWN
 from robots.exploration.scout import Scout, Situation
 from robots.mapping.map_keeper import MapKeeper
+from robots.se2 import Array
 from robots.snapshot import freeze, thaw
 from robots.types import AgentUpdate, Command, Observation, RobotSighting, TagSighting
 from robots.victims import VictimTracker
-
-_TAG_SD_M = 0.3  # of tags' places in a map by SLAM, as others' tags are told of in them
 
 
 class ObservationError(ValueError):
@@ -194,10 +195,11 @@ class RobotAgent:
             tags_left=observation.tags_left,
             orders=observation.orders,
             suspects=self._victims.suspects(slam.anchors),
+            victims=self._victims.known(slam.anchors),
             read=read,
             heard=observation.heard,
             tag_place=partial(_place, slam),
-            tag_sd_m=0.0 if self.config.poses == "truth" else _TAG_SD_M,
+            tag_sd_m=0.0 if self.config.poses == "truth" else _sd_m(slam.belief.covariance),
             tag_places=slam.tag_places,
             own_map=slam.own_map,
         )
@@ -231,6 +233,11 @@ class RobotAgent:
             orders=self._scout.explorer.order_reports(),
             methods=self._scout.explorer.errands.methods,
         )
+
+
+def _sd_m(covariance: Array) -> float:
+    """Return the deviation of a pose's place along its longest axis."""
+    return float(np.sqrt(max(0.0, np.linalg.eigvalsh(covariance[:2, :2])[-1])))
 
 
 def _place(slam: Slam, tag_id: str) -> tuple[float, float] | None:

@@ -1,7 +1,8 @@
 """An agent's state as bytes and back: the crash recovery beside the log.
 
 A snapshot is a pickle that may name nothing but this package's classes, numpy's arrays and generators, and
-plain containers, so a damaged or foreign file can fail but not run code.
+plain containers, so a damaged or foreign file can fail but not run code. It is good for the very program
+that took it: what an object holds changes with its class, and the log is always there.
 """
 
 from __future__ import annotations
@@ -9,11 +10,13 @@ from __future__ import annotations
 import io
 import pickle
 import zlib
+from functools import cache
+from hashlib import blake2b
+from pathlib import Path
 from typing import Any, TypeVar
 
 T = TypeVar("T")
 
-_HEADER = b"waymark-1"
 _BUILTINS = ("set", "frozenset", "list", "dict", "tuple", "bytearray", "complex", "slice", "range", "object")
 _PLAIN = {("builtins", name) for name in _BUILTINS} | {
     ("collections", "deque"),
@@ -48,10 +51,20 @@ class _Unpickler(pickle.Unpickler):
         return found
 
 
+@cache
+def header() -> bytes:
+    """Return what snapshots of this program begin with: a digest of the package's sources."""
+    digest = blake2b(digest_size=8)
+    package = Path(__file__).parent
+    for source in sorted(package.rglob("*.py")):
+        digest.update(str(source.relative_to(package)).encode() + source.read_bytes())
+    return b"waymark-" + digest.digest()
+
+
 def freeze(state: object) -> bytes:
     """Return the state as bytes with a checksum."""
     body = zlib.compress(pickle.dumps(state, protocol=5), 1)
-    return _HEADER + zlib.crc32(body).to_bytes(4, "big") + body
+    return header() + zlib.crc32(body).to_bytes(4, "big") + body
 
 
 def thaw(data: bytes, expected: type[T]) -> T:
@@ -60,10 +73,11 @@ def thaw(data: bytes, expected: type[T]) -> T:
     Raises:
         SnapshotError: as its docstring says.
     """
-    if data[: len(_HEADER)] != _HEADER:
+    begins = len(header())
+    if data[:begins] != header():
         raise SnapshotError("not a snapshot of this version; replay the log instead")
-    body = data[len(_HEADER) + 4 :]
-    if zlib.crc32(body) != int.from_bytes(data[len(_HEADER) : len(_HEADER) + 4], "big"):
+    body = data[begins + 4 :]
+    if zlib.crc32(body) != int.from_bytes(data[begins : begins + 4], "big"):
         raise SnapshotError("the snapshot is damaged; replay the log instead")
     try:
         state = _Unpickler(io.BytesIO(zlib.decompress(body))).load()

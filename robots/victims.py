@@ -5,7 +5,7 @@ Readings of one place are one victim; a lone reading is a false alarm until conf
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from math import cos, sin
 
 import numpy as np
@@ -22,6 +22,16 @@ FARTHEST_M = 3.0  # and two farther apart than this are not, however vague
 def apart(gap_m: Array, covariance: Array) -> float:
     """Return the chi-square of a gap (2,) between two places, given its covariance (2, 2)."""
     return float(gap_m @ np.linalg.solve(covariance, gap_m))
+
+
+@dataclass(frozen=True, slots=True)
+class KnownVictim:
+    """A victim as its robot has it: ``place_m`` (x, y) in the map frame, ``confidence`` 0..1."""
+
+    victim_id: str
+    place_m: tuple[float, float]
+    confidence: float
+    last_seen_s: float
 
 
 class VictimTracker:
@@ -51,6 +61,13 @@ class VictimTracker:
     def victims(self) -> tuple[VictimEstimate, ...]:
         """Return all victims seen often enough."""
         return tuple(v for v in self._candidates if v.sightings >= self._config.min_sightings)
+
+    def known(self, anchors: list[Pose2]) -> tuple[KnownVictim, ...]:
+        """Return all victims seen often enough, in the map frame."""
+        return tuple(
+            KnownVictim(v.victim_id, _place(v, anchors[v.anchor]), v.confidence, v.last_seen_s)
+            for v in self.victims()
+        )
 
     def suspects(self, anchors: list[Pose2]) -> tuple[Suspect, ...]:
         """Return what was not seen often enough yet to be a victim, in the map frame."""

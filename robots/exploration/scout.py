@@ -19,7 +19,7 @@ from robots.exploration.strategy import AnswersTags, PlansLocally
 from robots.exploration.team.communication import Communication
 from robots.exploration.told.claims import PlaceOf
 from robots.exploration.told.hearsay import Hearsay
-from robots.exploration.told.witness import Witness
+from robots.exploration.told.witness import Witness, victims_near
 from robots.mapping.fused import FusedGrid
 from robots.mapping.local_grid import LocalGrid
 from robots.orders import RobotOrder
@@ -30,6 +30,7 @@ from robots.tags.marks import key_of
 from robots.tags.memory import TagMemory, TagMemoryError
 from robots.tags.sealed import close_memory, open_memory
 from robots.types import FrontierReport, LaserScan, Suspect, TagSighting, TagWrite
+from robots.victims import KnownVictim
 
 _TELL_EVERY_S = 1.0
 
@@ -62,10 +63,11 @@ class Situation:
     tags_left: int | None = None  # in the magazine
     orders: tuple[RobotOrder, ...] = ()
     suspects: tuple[Suspect, ...] = ()  # what may be a victim
+    victims: tuple[KnownVictim, ...] = ()
     read: tuple[TagSighting, ...] = ()
     heard: tuple[bytes, ...] = ()  # messages of the team
     tag_place: PlaceOf = _no_place
-    tag_sd_m: float = 0.0  # of the places of tags
+    tag_sd_m: float = 0.0  # of the places of the tags read now
     tag_places: Callable[[], Sequence[tuple[float, float]]] = tuple
     own_map: Callable[[], Sequence[TagBelief]] = tuple
 
@@ -166,7 +168,6 @@ class Scout:
             say = self._communication.say(
                 now.stamp_s, now.pose, self.decision.goal_m, whole, now.scan.range_max_m, busy
             )
-        self.explorer.claims.tag_sd_m = now.tag_sd_m
         for sighting in now.read:
             self._hear(now, sighting)
         if now.read and now.tag_sd_m == 0.0:
@@ -208,7 +209,7 @@ class Scout:
             return
         if says.trusted:
             claims, place = self.explorer.claims, now.tag_place(sighting.tag_id)
-            claims.hear(sighting.tag_id, says.memory, now.stamp_s)
+            claims.hear(sighting.tag_id, says.memory, now.stamp_s, now.tag_sd_m)
             if place is not None:
                 claims.reach_m = max(claims.reach_m, hypot(place[0] - now.pose.x, place[1] - now.pose.y))
 
@@ -244,7 +245,8 @@ class Scout:
         trail_m, goal_m = self.explorer.trail.points, self.decision.goal_m
         heard = self._heard_of(now, place, said)
         said = said.merge(heard)
-        return heard.merge(self._witness.about(tag_id, place, said, grid, trail_m, goal_m, now.stamp_s))
+        seen = self._witness.about(tag_id, place, said, grid, trail_m, goal_m, now.stamp_s)
+        return heard.merge(replace(seen, victims=victims_near(now.victims, place)))
 
     def _heard_of(self, now: Situation, place: tuple[float, float], said: TagMemory) -> TagMemory:
         """Return what other tags said of the ground round a tag, where places are known without error."""

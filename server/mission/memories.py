@@ -19,6 +19,7 @@ from robots.types import Observation, TagWrite
 from server.mission.alerts import Alerts
 from server.mission.chip_notes import ChipNotes
 from server.mission.events import Events
+from server.mission.told_victims import ToldVictims
 
 log = structlog.get_logger()
 
@@ -38,6 +39,7 @@ class Memories:
         events: Events,
         alerts: Alerts,
         chip_notes: ChipNotes,
+        victims: ToldVictims,
     ) -> None:
         self._store = store
         self._mission_id = mission_id
@@ -45,6 +47,7 @@ class Memories:
         self._events = events
         self._alerts = alerts
         self._chip_notes = chip_notes
+        self._victims = victims
         self._told: dict[str, bytes] = {}  # memories that were not kept, by tag: what was told of already
 
     async def of(self, tag_id: str) -> bytes | None:
@@ -66,7 +69,9 @@ class Memories:
         Raises:
             TagMemoryError: the bytes are no memory, or without the mission's seal.
         """
-        await self._merge(tag_id, self._believed(tag_id, records), by)
+        memory = self._believed(tag_id, records)
+        await self._merge(tag_id, memory, by)
+        await self._victims.hear(tag_id, memory.victims)
         return await self.of(tag_id) or b""
 
     async def keep_read(self, robot_id: str, observations: Iterable[Observation]) -> None:
@@ -77,7 +82,9 @@ class Memories:
                 await self._chip_notes.take(tag_id, records)
                 whole = split(records)
                 if not whole or any(is_sealed(record) for record in whole):
-                    await self._merge(tag_id, self._believed(tag_id, records), robot_id)
+                    memory = self._believed(tag_id, records)
+                    await self._merge(tag_id, memory, robot_id)
+                    await self._victims.hear(tag_id, memory.victims)
             except ForeignSealError as error:
                 text = f"Tag {tag_id} may be forged or a copy: {error}. Do not go by what it says."
                 await self._alerts.raise_(

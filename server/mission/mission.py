@@ -54,6 +54,7 @@ from server.mission.shared_map import SharedMap
 from server.mission.stops import Stops
 from server.mission.tasks import Tasks
 from server.mission.thinking import Thinking
+from server.mission.told_victims import ToldVictims
 from server.mission.victims import Victims
 from server.robot import Robot
 from server.schemas.observations import OnboardWire
@@ -92,7 +93,8 @@ class Mission:
             store, mission_id, self.board, self.annotations, self.victims, self.alerts, self.evacuation,
             chip_notes,
         )  # fmt: skip
-        self.memories = Memories(store, mission_id, tag_key, self.events, self.alerts, chip_notes)
+        told = ToldVictims(self.board, self.victims)
+        self.memories = Memories(store, mission_id, tag_key, self.events, self.alerts, chip_notes, told)
         self.nodes = Nodes(store, mission_id, self.board, self.alerts)
         self._tasks = Tasks(mission_id)
         self.roster = Roster(record, store, forks, self.board, self.alerts, self._tasks)
@@ -101,7 +103,9 @@ class Mission:
         self.progress = Progress(store, mission_id, self.board)
         self.orders = Orders(store, mission_id, self.board, self.events)
         doubts = Doubts(store, mission_id, self.alerts)
-        self.shared_map = SharedMap(store, forks, self.board, self.roster, self.victims, doubts, on_grid)
+        self.shared_map = SharedMap(
+            store, forks, self.board, self.roster, self.victims, told, doubts, on_grid
+        )
         self.ground = Ground(store, self.roster, self.shared_map)
         self.pocket = Pocket(self.board, self.roster, self.routes, self.shared_map)
         self.best_map = BestMap(store, forks, self.board, self.roster, self.shared_map, self._tasks)

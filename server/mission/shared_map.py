@@ -21,6 +21,7 @@ from server.board import Board
 from server.map_image import MapImage, draw
 from server.mission.doubts import Doubts
 from server.mission.roster import Roster
+from server.mission.told_victims import ToldVictims
 from server.mission.victims import Victims
 from server.robot import Robot
 from server.sharing import map_value, tag_record, tag_value, team_values
@@ -36,6 +37,7 @@ class SharedMap:
         board: Board,
         roster: Roster,
         victims: Victims,
+        told: ToldVictims,
         doubts: Doubts,
         on_grid: Callable[[str, TeamGrid], None],
     ) -> None:
@@ -44,6 +46,7 @@ class SharedMap:
         self._board = board
         self._roster = roster
         self._victims = victims
+        self._told = told
         self._doubts = doubts
         self._on_grid = on_grid
         self._grid: TeamGrid | None = None
@@ -123,6 +126,7 @@ class SharedMap:
         self._board.publish(values)
         self._roster.publish(robots.values())
         await self._doubts.take(update.notices, absent)
+        await self._told.settle()
 
     def _vanished(self, tags: tuple[TeamTag, ...], absent: Set[str]) -> list[str]:
         """Return the tags on the board that are no longer there, as far as those who saw them are heard."""

@@ -12,14 +12,14 @@ from robots.agent import ObservationError, RobotAgent
 from robots.codec import encode
 from robots.config import AgentConfig
 from robots.se2 import Pose2
-from robots.snapshot import _HEADER, SnapshotError, freeze, thaw
+from robots.snapshot import SnapshotError, freeze, header, thaw
 from robots.types import Observation
 
 
 def packed(body: bytes) -> bytes:
     """Return a snapshot whose header and checksum are right, whatever the pickle says."""
     body = zlib.compress(body)
-    return _HEADER + zlib.crc32(body).to_bytes(4, "big") + body
+    return header() + zlib.crc32(body).to_bytes(4, "big") + body
 
 
 def naming(module: str, name: str) -> bytes:
@@ -99,7 +99,7 @@ def test_a_malicious_pickle_is_refused_and_not_run(tmp_path):
     with pytest.raises(SnapshotError, match=r"may not hold (posix|nt)\.system"):
         thaw(evil, RobotAgent)
     assert not touched.exists()
-    pickle.loads(zlib.decompress(evil[len(_HEADER) + 4 :]))  # what a plain unpickler would have done
+    pickle.loads(zlib.decompress(evil[len(header()) + 4 :]))  # what a plain unpickler would have done
     assert touched.exists()
 
 
@@ -141,9 +141,15 @@ def test_dotted_names_do_not_lead_elsewhere():
         thaw(packed(dotted), object)
 
 
+def test_a_snapshot_of_another_program_is_refused(snapshot):
+    other = b"waymark-" + bytes(8) + snapshot[16:]
+    with pytest.raises(SnapshotError, match="not a snapshot of this version; replay the log instead"):
+        RobotAgent.restore(other)
+
+
 def test_any_damaged_byte_is_noticed(snapshot):
     rng = np.random.default_rng(8)
-    places = [*range(len(_HEADER) + 6), *rng.integers(0, len(snapshot), 60), len(snapshot) - 1]
+    places = [*range(len(header()) + 6), *rng.integers(0, len(snapshot), 60), len(snapshot) - 1]
     for place in places:
         damaged = bytearray(snapshot)
         damaged[place] ^= 1 << int(rng.integers(8))
@@ -151,7 +157,7 @@ def test_any_damaged_byte_is_noticed(snapshot):
             RobotAgent.restore(bytes(damaged))
 
 
-@pytest.mark.parametrize("kept", [0, 5, 9, 11, 13, 14, 200, -1])
+@pytest.mark.parametrize("kept", [0, 5, 9, 15, 16, 18, 20, 21, 200, -1])
 def test_a_cut_snapshot_is_refused(snapshot, kept):
     with pytest.raises(SnapshotError, match="replay the log instead"):
         RobotAgent.restore(snapshot[:kept])

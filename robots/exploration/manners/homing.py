@@ -22,6 +22,7 @@ _CHANGED = 0.05  # a battery that rises by so much was charged or changed
 _HASTE = 0.5  # share of the top speed that is driven on the whole, turns and doors included
 _MARGIN_S = 10.0
 _BERTH_M = 0.25  # that others keep of one who stands: they see it blurred
+_PARKED_M = 0.3  # near enough to where it is to stand
 _JUMP_M = 0.5  # between two decisions: the map moved, not the robot
 
 
@@ -127,19 +128,16 @@ class Homing:
 
     def _park(self, ground: Ground, place: tuple[float, float], name: str, why: str) -> Aim:
         """Return the way to where it shuts no way, chosen once, or a rest there."""
-        if self._parking_m is None:
+        cell = None if self._parking_m is None else ground.nearest(*self._parking_m, _PARKED_M)
+        if cell is None:  # none was chosen, or somebody else is there or in the way
             spot = parking_place(ground, place, (HOME_M, _CROWDED_M), self._apart_m)
-            self._parking_m = ground.grid.centre_of(*spot) if spot else (ground.pose.x, ground.pose.y)
-        cell = ground.nearest(*self._parking_m, HOME_M)
-        end = None if cell is None else ground.grid.centre_of(*cell)
-        path = None if cell is None else ground.path_to(cell)
-        if end is None or path is None or ground.distance_m(*end) < 0.3:
+            cell = spot or ground.grid.cell_of(ground.pose.x, ground.pose.y)
+            self._parking_m = ground.grid.centre_of(*cell)
+        end, path = ground.grid.centre_of(*cell), ground.path_to(cell)
+        if path is None or ground.distance_m(*end) < _PARKED_M:
             home = ground.distance_m(*place) <= HOME_M
-            return Aim(
-                "rest",
-                "done",
-                f"{why}; " + (f"I am at {name}" if home else f"as near to {name} as I can get"),
-            )
+            where = f"I am at {name}" if home else f"as near to {name} as I can get"
+            return Aim("rest", "done", f"{why}; {where}")
         return Aim("place", "returning", f"driving out of the others' way: {why}", end, path)
 
     def _falls_short(self, ground: Ground) -> bool:

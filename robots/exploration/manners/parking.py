@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from robots.exploration.ground import Ground
 from robots.planning.travel import UNREACHED, travel_costs
@@ -13,6 +14,7 @@ from robots.se2 import Array
 _LOST_M2 = 0.5  # of ground that nobody gets to any more: less is a corner
 _LATTICE_M = 0.4  # between places that are tried
 _MOST = 60
+_IN_DOORS = 9  # fifths of a cell: what it costs at least to enter the cells of a door 1 m wide
 
 
 def parking_place(
@@ -20,7 +22,8 @@ def parking_place(
 ) -> tuple[int, int] | None:
     """Return the cell nearest by way where a body that stands shuts no way, None where there is none.
 
-    ``rings_m``: distances from a place (map frame); the first within which there is one counts. ``apart_m``:
+    ``rings_m``: distances from a place (map frame); the first within which there is one counts, in the open
+    before doors and the like. ``apart_m``:
     so near to the body no other one's middle gets.
     """
     grid = ground.grid
@@ -30,11 +33,19 @@ def parking_place(
     cells = cells[np.all((cells - here) % stride == 0, axis=1)]
     off_m: Array = np.hypot(*(grid.centres_of(cells) - place_m).T)
     ring = np.searchsorted(rings_m, off_m)
-    order = np.lexsort((ground.costs[cells[:, 0], cells[:, 1]], ring))
+    order = np.lexsort(
+        (ground.costs[cells[:, 0], cells[:, 1]], ring, _narrow(ground)[cells[:, 0], cells[:, 1]])
+    )
     for row, column in cells[order[ring[order] < len(rings_m)][:_MOST]].tolist():
         if not _shuts(ground, row, column, apart_m):
             return row, column
     return None
+
+
+def _narrow(ground: Ground) -> NDArray[np.bool_]:
+    """Return the cells, (h, w), so near to obstacles that they may lie in a door."""
+    narrow: NDArray[np.bool_] = ground.grid.steps > _IN_DOORS
+    return narrow
 
 
 def _shuts(ground: Ground, row: int, column: int, apart_m: float) -> bool:

@@ -47,16 +47,16 @@ class Claims:
 
     def __init__(self) -> None:
         self.own: int | None = None  # the key by which tags know this robot: its own goals are no news
-        self.tag_sd_m = 0.0  # of the places where tags are believed
         self.reach_m = 0.0  # the farthest off that a tag was read
         self._memories: dict[str, TagMemory] = {}
         self._read_s: dict[str, float] = {}
+        self._sds_m: dict[str, float] = {}  # of the places where tags are believed
 
-    def hear(self, tag_id: str, memory: TagMemory, now_s: float = 0.0) -> None:
-        """Take in what a tag of the mission says."""
+    def hear(self, tag_id: str, memory: TagMemory, now_s: float = 0.0, sd_m: float = 0.0) -> None:
+        """Take in what a tag of the mission says; ``sd_m`` of the place where it is believed."""
         known = self._memories.get(tag_id, TagMemory.empty())
         self._memories[tag_id] = known.merge(memory.uncut())
-        self._read_s[tag_id] = now_s
+        self._read_s[tag_id], self._sds_m[tag_id] = now_s, sd_m
 
     def tags(self, place_of: PlaceOf) -> tuple[KnownTag, ...]:
         """Return the tags that were read and have a place, by id."""
@@ -71,10 +71,10 @@ class Claims:
         """Return what is unknown, here and to all whose word was read, as the tags lie now."""
         unknown = _unknown_shares(grid.cells, grid.cell_m, LATTICE_M)
         claimed, whole = np.zeros(unknown.shape, np.uint8), np.zeros(unknown.shape, np.uint8)
-        rings = ceil(_SURE_SD * self.tag_sd_m / LATTICE_M - 1e-9)
         promised = []
         for tag in self.tags(place_of):
             fine = np.repeat(np.repeat(tag.memory.cells.T, _PER_CELL, axis=0), _PER_CELL, axis=1)
+            rings = ceil(_SURE_SD * self._sds_m[tag.tag_id] / LATTICE_M - 1e-9)
             _draw(whole, fine, tag, grid.origin)
             _draw(claimed, _eroded(fine, rings), tag, grid.origin)
             promised += [

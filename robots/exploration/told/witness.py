@@ -6,17 +6,21 @@ has to agree with another.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
+from math import hypot
 
 from robots.planning.plan_grid import PlanGrid
 from robots.se2 import Array
-from robots.tags.marks import goal_mark
+from robots.tags.marks import VictimMark, goal_mark, merged_marks, victim_mark
 from robots.tags.memory import CELL_M, TagMemory, phase_of
 from robots.tags.observed import observed_memory, visited_window
+from robots.victims import KnownVictim
 
 _ANEW_S = 20.0  # not read for so long: it is passed once more
 _OTHER_GOAL_M = 2.0
 _MOST = 255
+_VICTIMS_WITHIN_M = 20.0  # of a tag: farther off, another tag is nearer
 Place = tuple[float, float]
 
 
@@ -77,6 +81,18 @@ class Witness:
             goal = before
         self._passes[tag_id] = count, serial, now_s, goal
         return count, serial, goal
+
+
+def victims_near(victims: Sequence[KnownVictim], place: Place) -> tuple[VictimMark, ...]:
+    """Return what to tell a tag at a place of the victims near it, all in the map frame."""
+    offsets = [(victim, victim.place_m[0] - place[0], victim.place_m[1] - place[1]) for victim in victims]
+    return merged_marks(
+        *(
+            victim_mark(victim.victim_id, victim.confidence, victim.last_seen_s, north, west)
+            for victim, north, west in offsets
+            if hypot(north, west) < _VICTIMS_WITHIN_M
+        )
+    )
 
 
 def _corner(place: Place, phase: int) -> Place:

@@ -30,7 +30,7 @@ def test_runs_that_ended_badly_are_named_by_their_seeds():
 
 
 def test_rubble_lies_in_the_arena():
-    hard = next(hard for hard in endings.HARDSHIPS if hard.rubble)
+    hard = next(hard for hard in endings.HARDSHIPS if hard.rubble.bricks)
     clear = endings.HARDSHIPS[0].config("open:60", 3).scenario
     assert (ground_of(hard.config("open:60", 3).scenario).world.cells & BRICK).any()
     assert not (ground_of(clear).world.cells & BRICK).any()

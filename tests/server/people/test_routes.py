@@ -44,6 +44,21 @@ def test_every_change_asks_for_more_than_looking():
     assert lax == {"log_in", "join_by_link", "log_out", "acknowledge_evacuation", "put_report"}
 
 
+def test_who_may_lead_a_mission():
+    """Who may pause may start again; what ends a mission, or brings it back, is for commanders."""
+    needed = {route.name: set(roles(route.dependant)) - {"viewer"} for route in routes()}
+    may = {
+        "responder": {"post_photo", "put_annotation", "stop_robots"},
+        "operator": {
+            "create_mission", "start_mission", "pause_mission", "put_sector", "explore_sector",
+            "delete_photo", "put_georeference", "put_base_map", "copy_base_map",
+        },
+        "commander": {"close_mission", "archive_mission", "reopen_mission", "begin_period", "end_period"},
+    }  # fmt: skip
+    for role, names in may.items():
+        assert {name: needed[name] for name in names} == {name: {role} for name in names}
+
+
 def test_every_change_goes_through_the_audit_log():
     unnoted = {
         route.name

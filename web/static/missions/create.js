@@ -58,6 +58,6 @@ export function CreateForm({ missions }) {
         <label>Picture (PNG, PGM, JPEG, WebP)<input type="file" name="picture" required accept=".png,.pgm,.jpg,.jpeg,.webp"/></label>
         <label>Its YAML, as of ROS's map_server<input type="file" name="yaml" accept=".yaml,.yml"/></label>
         <label>or metres per pixel<input name="resolution" type="number" min="0.001" max="10" step="any" defaultValue=${DEFAULT_M}/></label>`}
-      <label class="check"><input type="checkbox" name="draft"/>As a draft: robots wait until it is started</label>
+      <label class="check"><input type="checkbox" name="draft"/>As a draft: robots may join, and are refused until it is started</label>
       <button type="submit" disabled=${state.busy !== ""}>${state.busy === "create" ? "Working…" : "Make it"}</button></form></section>`;
 }

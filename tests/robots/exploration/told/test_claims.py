@@ -117,7 +117,7 @@ def test_what_lies_within_the_error_of_a_tags_place_is_doubtful():
     claims.hear("A", TagMemory(np.full((5, 5), CLOSED, np.uint8)))
     sure = claims.survey(grid(), {"A": (0.5, 0.5)}.get)
     assert not sure.doubtful.any()
-    claims.tag_sd_m = 0.3
+    claims.hear("A", TagMemory.empty(), 1.0, sd_m=0.3)  # read again where the robot knows less where it is
     vague = claims.survey(grid(), {"A": (0.5, 0.5)}.get)
     assert ((vague.claimed == CLOSED) | vague.doubtful == (sure.claimed == CLOSED)).all()
     assert (vague.claimed == CLOSED).sum() == 6 * 6
