@@ -18,13 +18,13 @@ from server.history.changes import between, first_line, sealed
 from server.map_image import MapImage
 
 TICK_S = 0.5
-CHUNK_S = 60.0  # a chunk is what a browser fetches at once
+CHUNK_S = 30.0  # a chunk is what a browser fetches at once
 STRETCH_BYTES = 128 * 2**20  # each so many bytes, moving and growing things are recorded half as often
 _PERIODS_S: Mapping[str, float] = {
     "robot": TICK_S,
     "mission": TICK_S,
     "map": 5.0,  # these are large, and come anew with every solution of the team's map
-    "trail": 5.0,
+    "trail": 10.0,
     "tag": 5.0,
     "links": 5.0,
     "frontiers": 5.0,
@@ -38,8 +38,8 @@ class Recorder:
     """Writes the past of one mission. ``image`` gives the map's picture of the board's version.
 
     What people do is written before they are answered (``flush``). What moves by itself is written twice a
-    second, what grows with the map every five; each ``STRETCH_BYTES`` make that half as often, so a long
-    mission's past grows ever more slowly.
+    second, what grows with the map every five or ten; each ``STRETCH_BYTES`` make that half as often, so the
+    past of a long mission grows ever more slowly.
     """
 
     def __init__(

@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Browser, Page, expect
 
+from robots.tags.short_id import short_id
 from server.app import create_app
 from server.settings import Settings
 from tests.web.driven import drive
@@ -67,7 +68,11 @@ def test_the_plan_is_searched_measured_and_told_of(home: str, page: Page, robot_
     assert page.request.post(f"{alerts}/mayday", **words).ok
     page.wait_for_function("() => window.tones.includes(1240)", timeout=SOON_MS)
 
-    # a tag is found by a part of its name, selected and brought into view
+    # a tag is found as its label has it, or by a part of its name; selected and brought into view
+    page.get_by_role("searchbox").fill((short_id(seen["tag"]) or "").lower().replace("-", " "))
+    expect(page.locator(".found button").first).to_contain_text(seen["tag"])
+    page.keyboard.press("Escape")
+    page.get_by_role("searchbox").blur()
     page.keyboard.press("/")
     page.keyboard.type(seen["tag"].lower())
     expect(page.locator(".found button").first).to_contain_text(seen["tag"])

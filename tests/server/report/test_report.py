@@ -143,7 +143,7 @@ def test_the_command_writes_it_from_server_and_database(tmp_path, make_control, 
     assert not list(tmp_path.glob("*.part"))
 
 
-@settings(max_examples=40)
+@settings(max_examples=25)
 @given(st.text(), st.text())
 def test_whatever_comes_from_outside_is_text(word, value):
     page = tag("p", word, title=value)

@@ -5,7 +5,8 @@ import { ellipse, percent } from "./format.js";
 import { alarming, ALERT_KINDS, alertByTag, isOpen } from "./node_sensors.js";
 import { openPhoto, placedPhotos } from "./photos.js";
 import { L } from "./vendor.js";
-import { NOTE_KINDS, placeOf } from "./notes.js";
+import { NOTE_KINDS } from "./note_kinds.js";
+import { placeOf } from "./notes.js";
 import { statusOf } from "./victim_status.js";
 
 /** @import {Alert, Annotation, Robot, Victim} from "./types.js" */

@@ -3,6 +3,7 @@
 import { color } from "../theme.js";
 import { missionPath, request } from "./api.js";
 import { timeOfDay } from "./format.js";
+import { newId, NOTE_KINDS } from "./note_kinds.js";
 import { Photos } from "./photos.js";
 import { makeSector } from "./sectors.js";
 import { html } from "./vendor.js";
@@ -11,14 +12,6 @@ import { html } from "./vendor.js";
 /** @import {Store} from "./store.js" */
 /** @import {View} from "./canvas_layer.js" */
 /** @typedef {{kind: string, text: string, isArea: boolean, corners: [number, number][]}} Draft */
-
-/** @type {Record<string, {label: string, glyph: string, color: string}>} */
-export const NOTE_KINDS = {
-  hazard: { label: "Hazard", glyph: "!", color: "warn" },
-  note: { label: "Note", glyph: "i", color: "note" },
-  searched: { label: "Searched", glyph: "✓", color: "cleared" },
-  victim: { label: "Victim", glyph: "+", color: "danger" },
-};
 
 /** Where a note stands: its point, its tag, or the middle of its area. @param {Annotation} note @param {Tag | undefined} tag */
 export function placeOf(note, tag) {
@@ -39,15 +32,6 @@ async function write(store, draft, place) {
     store.draft = draft; // nothing of what was typed is lost
     store.notify(`Not written on the map. ${/** @type {Error} */ (error).message}`);
   }
-}
-
-/** A random id (UUID 4), also where the page has no secure context, as over plain HTTP in a field network. */
-export function newId() {
-  const bytes = crypto.getRandomValues(new Uint8Array(16));
-  bytes[6] = (bytes[6] & 0x0f) | 0x40;
-  bytes[8] = (bytes[8] & 0x3f) | 0x80;
-  const hex = [...bytes].map((byte) => byte.toString(16).padStart(2, "0")).join("");
-  return [hex.slice(0, 8), hex.slice(8, 12), hex.slice(12, 16), hex.slice(16, 20), hex.slice(20)].join("-");
 }
 
 /** A click on the plan while an area is being drawn. @param {Store} store @param {[number, number]} corner */

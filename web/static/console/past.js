@@ -18,7 +18,7 @@ import { Axis } from "./time_axis.js";
  * @typedef {{number: number, begins_unix_s: number, ends_unix_s: number}} Span
  */
 
-const KEPT = 40; // chunks, about a minute each
+const KEPT = 60; // chunks, half a minute each
 const INDEX_MS = 5000;
 const FRAME_MS = 100;
 export const SPEEDS = [1, 2, 5, 10, 30, 60];

@@ -2,7 +2,8 @@
 
 import { fetchChecked, missionPath, request } from "./api.js";
 import { timeOfDay } from "./format.js";
-import { newId, placeOf } from "./notes.js";
+import { newId } from "./note_kinds.js";
+import { placeOf } from "./notes.js";
 import { Component, html } from "./vendor.js";
 
 /** @import {Photo} from "./types.js" */

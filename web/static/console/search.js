@@ -1,6 +1,7 @@
 /** Find a robot, tag, victim or note by a part of its name, and go there. */
 
-import { NOTE_KINDS } from "./notes.js";
+import { understood } from "../phone/short_id.js";
+import { NOTE_KINDS } from "./note_kinds.js";
 import { Component, html } from "./vendor.js";
 
 /** @import {Selected, Store} from "./store.js" */
@@ -21,8 +22,9 @@ export function find(store, typed) {
       { kind: /** @type {const} */ ("note"), id, name: text || kind, what: NOTE_KINDS[kind]?.label ?? kind })),
     ...[...store.shown.tags.keys()].map((id) => ({ kind: /** @type {const} */ ("tag"), id, name: id, what: "Tag" })),
   ];
+  const meant = understood(typed, store.shown.tags.keys()).tagIds; // as a label has it, with its check character
   /** @param {Found} found */
-  const rank = ({ name, what }) => [name, what].map((text) => text.toLowerCase().indexOf(words))
+  const rank = ({ kind, id, name, what }) => kind === "tag" && meant.includes(id) ? -1 : [name, what].map((text) => text.toLowerCase().indexOf(words))
     .reduce((best, at, k) => (at < 0 ? best : Math.min(best, 100 * k + Math.min(at, 99))), 1000);
   return all.map((found) => /** @type {const} */ ([rank(found) + (found.name.length > words.length ? 0.5 : 0), found]))
     .filter(([place]) => place < 1000)

@@ -2,7 +2,7 @@
 
 import { color } from "../theme.js";
 import { missionPath, request } from "./api.js";
-import { newId } from "./notes.js";
+import { newId } from "./note_kinds.js";
 import { Periods } from "./periods.js";
 import { html } from "./vendor.js";
 

@@ -1,6 +1,6 @@
 /** Reports that wait for the server: kept until it has said that it has them, sent the most important first. */
 
-import { newId } from "../console/notes.js";
+import { newId } from "../console/note_kinds.js";
 import { all, drop, put } from "./kept.js";
 import { ask, missionPath, onReach, reach, reasonOf } from "./reach.js";
 

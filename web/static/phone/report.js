@@ -1,6 +1,6 @@
 /** Leaving word at a tag: what somebody else has to know. It is on the phone at once, and goes out when it can. */
 
-import { NOTE_KINDS } from "../console/notes.js";
+import { NOTE_KINDS } from "../console/note_kinds.js";
 import { html } from "../console/vendor.js";
 import { IntoChip } from "./nfc_view.js";
 import { add } from "./outbox.js";

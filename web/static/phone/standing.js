@@ -39,9 +39,9 @@ export function Standing() {
     ${refused > 0 && html`<p class="trouble" role="alert">${say("some_refused", { n: refused })}</p>`}
     ${reports.length > 0 && html`<button type="button" aria-expanded=${isOpen} onClick=${() => { isOpen = !isOpen; isHandingOver = false; changed(); }}>
       ${say("reports_wait", { n: reports.length })}</button>`}
-    ${isOpen && reports.length > 0 && html`<ul>${reports.map(Waiting)}</ul>
-      ${isHandingOver ? html`<${HandOver} />` : html`<button type="button" onClick=${() => { isHandingOver = true; changed(); }}>
-        ${say("handover")}</button>`}`}`;
+    ${isOpen && reports.length > 0 && (isHandingOver ? html`<${HandOver} />`
+      : html`<ul>${reports.map(Waiting)}</ul><button type="button" onClick=${() => { isHandingOver = true; changed(); }}>
+        ${say("handover")}</button>`)}`;
 }
 
 /** What a report says, also for copying it by hand. @param {Report} report */
