@@ -34,6 +34,8 @@ def run(settings: Settings) -> None:
             access_log=False,
             ws_per_message_deflate=False,
             ws_max_size=65_536,
+            ws_ping_interval=10.0,  # who answers none for 20 s reads nothing: it is dropped
+            ws_ping_timeout=20.0,
             timeout_graceful_shutdown=_GRACE_S,
         )
         if settings.tls:

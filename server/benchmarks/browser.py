@@ -35,7 +35,7 @@ def server_process(data: str | None = None) -> Iterator[str]:
             stderr=subprocess.DEVNULL,
         )
         try:
-            _wait_for(f"http://127.0.0.1:{port}")
+            wait_for(f"http://127.0.0.1:{port}")
             yield f"http://127.0.0.1:{port}"
         finally:
             server.terminate()
@@ -64,7 +64,8 @@ def chromium() -> Iterator[Any]:
             browser.close()
 
 
-def _wait_for(url: str) -> None:
+def wait_for(url: str) -> None:
+    """Wait until a server answers."""
     until = time.monotonic() + _STARTS_S
     while True:
         try:

@@ -35,7 +35,7 @@ def measure(robots: int = 12, dashboards: int = 5, seconds: float = 60.0) -> dic
         port = free.getsockname()[1]
     url = f"http://127.0.0.1:{port}"
     with tempfile.TemporaryDirectory(prefix="waymark-bench-") as folder:
-        arguments = ["serve", "--port", str(port), "--data", folder]
+        arguments = ["serve", "--port", str(port), "--data", folder, "--login", "off"]
         server = subprocess.Popen(
             [sys.executable, "-m", "server.cli.main", *arguments],
             stdout=subprocess.DEVNULL,

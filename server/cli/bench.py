@@ -22,6 +22,7 @@ _KNOWN = (
     "outbox",
     "phone",
     "history",
+    "console",
 )
 
 
@@ -30,14 +31,14 @@ def bench(
         list[str] | None,
         typer.Argument(
             metavar="[office|latency|scan-match|solve|incremental|rslam|ekf|decision|exploration|outbox"
-            "|phone|history]..."
+            "|phone|history|console]..."
         ),
     ] = None,
     map_spec: Annotated[
         str, typer.Option("--map", metavar="FILE.yaml|office:AREA", help="Building for `office`.")
     ] = "office:590",
     minutes: Annotated[float, typer.Option(metavar="M", help="Length of the mission of `office`.")] = 20.0,
-    seconds: Annotated[float, typer.Option(metavar="S", help="Length of `latency`.")] = 60.0,
+    seconds: Annotated[float, typer.Option(metavar="S", help="Length of `latency` and `console`.")] = 60.0,
     maps: Annotated[
         Path | None,
         typer.Option(metavar="DIR", help="map_server maps for `scan-match`; without it, generated ones."),
@@ -73,8 +74,8 @@ def bench(
             continue
         if name == "scan-match":
             results[name] = _scan_match(maps, pairs, seed)
-        elif name in ("outbox", "phone"):
-            results[name] = _in_browser(name, sequences, seed)
+        elif name in ("outbox", "phone", "console"):
+            results[name] = _in_browser(name, sequences, seed, seconds)
         else:
             results[name] = _measure(name, map_spec, minutes, seconds)
         if not as_json:
@@ -113,11 +114,13 @@ def _measure(name: str, map_spec: str, minutes: float, seconds: float) -> dict[s
     return latency.measure(seconds=seconds)
 
 
-def _in_browser(name: str, sequences: int, seed: int) -> dict[str, Any]:
-    from server.benchmarks import outbox, phone
+def _in_browser(name: str, sequences: int, seed: int, seconds: float) -> dict[str, Any]:
+    from server.benchmarks import console, outbox, phone
     from server.benchmarks.browser import CannotMeasureError
 
     try:
+        if name == "console":
+            return console.measure(seconds)
         return outbox.measure(sequences, seed) if name == "outbox" else phone.measure()
     except CannotMeasureError as error:
         raise CommandError(str(error)) from error

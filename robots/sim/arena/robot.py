@@ -176,8 +176,7 @@ class ArenaRobot:
         row, column = floor((y - origin[1]) / cell_m), floor((x - origin[0]) / cell_m)
         if cells[row, column] > -free:  # a goal on ground that others told of: their word is not checked here
             return False
-        sweeps = config.planning.safe.sweep and config.planning.explore == "waymark"  # its goals are no edges
-        if not sweeps and not edge_is_left(cells, origin, cell_m, x, y, _EDGE_WITHIN_M, occupied, free):
+        if not edge_is_left(cells, origin, cell_m, x, y, _EDGE_WITHIN_M, occupied, free):
             return True
         return not way_is_clear(
             cells, origin, cell_m, decision.path_m, pose.x, pose.y, _LOOK_AHEAD_M, self._radius_m, occupied
