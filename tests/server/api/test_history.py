@@ -10,9 +10,15 @@ from PIL import Image
 
 QUICK = ("victim", "alert", "event", "annotation", "evacuation", "orders")  # recorded at the next tick
 
+SLOW = ("trail", "tag", "links", "map")
+
 
 def at(line, unix_s):
     return line.get(f"/history/state?unix_s={unix_s:.3f}")["state"]
+
+
+def slow(state):
+    return {key: value for key, value in state.items() if key.partition("/")[0] in SLOW}
 
 
 def quick(state):
@@ -57,11 +63,8 @@ def test_the_past_is_what_the_stream_showed(line, drive, wait_until):
         assert past["robot/r1"] == state["robot/r1"]
         assert past["mission"] == state["mission"]
     assert len({state["robot/r1"]["x_m"] for _, state in seen}) == 3  # it was under way
-    wait_until(lambda: at(line, time.time()).get("trail/r1") == live["trail/r1"])
-    now = at(line, time.time())
-    assert {key: value for key, value in now.items() if not key.startswith("person/")} == {
-        key: value for key, value in live.items() if not key.startswith("person/")
-    }
+    # what grows comes a little later, and by then the robot may count as late
+    wait_until(lambda: slow(at(line, time.time())) == slow(live))
     index = line.get("/history")
     steps = [step for chunk in index["chunks"] for step in replayed(line, chunk["number"])]
     assert steps[0][0] == index["begins_unix_s"]
