@@ -38,8 +38,10 @@ def main(control_fd: int, agent_module: str, team_module: str) -> None:
         print(f"waymark: the warm-up failed: {error!r}", file=sys.stderr)
     children: set[int] = set()
     with socket.socket(fileno=control_fd) as control:
+        waiting = select.poll()  # ``select`` refuses descriptors beyond 1023
+        waiting.register(control, select.POLLIN)
         while True:
-            ready, _, _ = select.select([control], [], [], 1.0)
+            ready = waiting.poll(1000)
             children -= _ended(children)
             if not ready:
                 continue

@@ -1,11 +1,10 @@
-"""The 3D scenes of all missions that run: each fed from its mission's board until it is stopped."""
+"""The 3D scenes of missions, one for each theme that somebody looks at: fed from the board until stopped."""
 
 from __future__ import annotations
 
 import asyncio
 import secrets
 from collections.abc import AsyncIterator, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any, Protocol
 
 from web.viser.colors import THEMES
@@ -37,29 +36,40 @@ class PastScene:
         await asyncio.to_thread(self.scene.show, state, grid)
 
 
-@dataclass(frozen=True, slots=True)
 class _Running:
-    """A mission's scene in each theme, and the tasks that keep them up to date."""
+    """What a mission's scenes are made of, those looked at so far, and the tasks that keep them in step."""
 
-    scenes: Mapping[str, MissionScene]
-    tasks: tuple[asyncio.Task[None], ...]
+    def __init__(self, board: Board) -> None:
+        self.board = board
+        self.map: tuple[Cells, tuple[float, float], float] | None = None
+        self.scenes: dict[str, MissionScene] = {}
+        self.tasks: list[asyncio.Task[None]] = []
+        self._loop = asyncio.get_running_loop()
+
+    def scene(self, theme: str) -> MissionScene:
+        """Return the scene in a theme; the first who asks opens it, from any thread."""
+        if found := self.scenes.get(theme):
+            return found
+        scene = self.scenes[theme] = MissionScene(theme)
+        if self.map is not None:
+            scene.update_map(*self.map)
+        self._loop.call_soon_threadsafe(self._keep, scene)
+        return scene
+
+    def _keep(self, scene: MissionScene) -> None:
+        self.tasks += [asyncio.create_task(scene.run()), asyncio.create_task(_feed(scene, self.board))]
 
 
 class Scenes:
-    """Starts, finds and stops the scene of a mission. Starting costs milliseconds and half a megabyte."""
+    """Finds and stops the scenes of missions. Opening one costs milliseconds and half a megabyte."""
 
     def __init__(self) -> None:
         self._running: dict[str, _Running] = {}
         self._past: dict[str, PastScene] = {}
 
     async def start(self, mission_id: str, board: Board) -> None:
-        """Open a scene for the mission and keep it in step with the board; a second call changes nothing."""
-        if mission_id in self._running:
-            return
-        scenes = {theme: MissionScene(theme) for theme in THEMES}
-        drawing = [asyncio.create_task(scene.run()) for scene in scenes.values()]
-        tasks = (asyncio.create_task(_feed(tuple(scenes.values()), board)), *drawing)
-        self._running[mission_id] = _Running(scenes, tasks)
+        """Show the mission's board to whoever looks; a second call changes nothing."""
+        self._running.setdefault(mission_id, _Running(board))
 
     def port(self, mission_id: str, theme: str = "dark") -> int | None:
         """Return the loopback port of a scene, of a mission in a theme or of its past; None for none."""
@@ -67,14 +77,14 @@ class Scenes:
             port: int = past.scene.port
             return port
         running = self._running.get(mission_id)
-        scene = running.scenes.get(theme) if running else None
-        return scene.port if scene else None
+        return running.scene(theme).port if running and theme in THEMES else None
 
     def update_map(
         self, mission_id: str, cells: Cells, origin_m: tuple[float, float], resolution_m: float
     ) -> None:
         """Give a mission's scene its fused map: int8 (h, w), -1 unknown, 0..100; row 0 at the lowest y."""
         if running := self._running.get(mission_id):
+            running.map = cells, origin_m, resolution_m
             for scene in running.scenes.values():
                 scene.update_map(cells, origin_m, resolution_m)
 
@@ -107,14 +117,12 @@ class Scenes:
         await asyncio.gather(*(self.stop(mission_id) for mission_id in tuple(self._running)))
 
 
-async def _feed(scenes: Sequence[MissionScene], board: Board) -> None:
-    """Pass the board's state and then its changes on to the scenes."""
+async def _feed(scene: MissionScene, board: Board) -> None:
+    """Pass the board's state and then its changes on to a scene."""
     changes = board.subscribe()
-    for scene in scenes:
-        scene.replace(board.snapshot())
+    scene.replace(board.snapshot())
     async for values, deleted in changes:
-        for scene in scenes:
-            for key, value in values.items():
-                scene.put(key, value)
-            for key in deleted:
-                scene.put(key, None)
+        for key, value in values.items():
+            scene.put(key, value)
+        for key in deleted:
+            scene.put(key, None)
