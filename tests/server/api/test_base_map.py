@@ -87,7 +87,7 @@ def test_the_story_of_a_base_map(make_control, tmp_path, drive):
     for wires in drive.wires[:15]:
         line.send(wires)
     with line.stream() as stream:
-        stream.until(lambda s: "map" in s.state, 40.0)
+        stream.until(lambda s: s.state.get("map", {}).get("explored_m2", 0.0) > 5.0, 40.0)
     line.call("PUT", "/georeference", {"origin": {"lat_deg": 48.0, "lon_deg": 11.0}, "yaw_rad": 0.0})
     copied = next_one.call("POST", "/base-map/copy", {"mission_id": "school"}).json()
     assert copied["source"] == "SCHOOL"
