@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import hashlib
 import os
 from collections.abc import Mapping
 from pathlib import Path
@@ -16,6 +17,7 @@ from starlette.responses import FileResponse
 from starlette.staticfiles import NotModifiedResponse
 from starlette.types import Scope
 
+from web.lean import LEAN, lean_file
 from web.proxy import Gate, ScenePorts, mount_proxy
 from web.shell import shell, worker
 
@@ -80,6 +82,28 @@ class _Files(StaticFiles):
     ) -> Response:
         """Return the file, or 304 when the browser has it already."""
         return _file_response(full_path, stat_result, Headers(scope=scope), status_code)
+
+
+class _OwnFiles(_Files):
+    """Our own static files, scripts and styles without their comments."""
+
+    def file_response(
+        self,
+        full_path: str | os.PathLike[str],
+        stat_result: os.stat_result,
+        scope: Scope,
+        status_code: int = 200,
+    ) -> Response:
+        """Return the file, or 304 when the browser has it already."""
+        path = Path(full_path)
+        if path.suffix not in LEAN:
+            return super().file_response(full_path, stat_result, scope, status_code)
+        body = lean_file(path)
+        headers = {**SECURITY_HEADERS, "ETag": f'"{hashlib.sha256(body).hexdigest()[:20]}"'}
+        if Headers(scope=scope).get("if-none-match") == headers["ETag"]:
+            return Response(status_code=304, headers=headers)
+        kind = "text/javascript" if path.suffix == ".js" else "text/css"
+        return Response(body, status_code, headers, kind)
 
 
 class _VendorFiles(_Files):
@@ -147,7 +171,7 @@ def mount_web(
     app.add_api_route("/missions", missions, methods=["GET", "HEAD"], include_in_schema=False)
     app.add_api_route("/people", people, methods=["GET", "HEAD"], include_in_schema=False)
     app.add_api_route("/favicon.ico", icon, methods=["GET", "HEAD"], include_in_schema=False)
-    app.mount("/static", GZipMiddleware(_Files(directory=STATIC)), name="static")
+    app.mount("/static", GZipMiddleware(_OwnFiles(directory=STATIC)), name="static")
     vendor = _VendorFiles(directory=node_modules, check_dir=False)
     app.mount("/vendor", GZipMiddleware(vendor), name="vendor")
     if viser is not None:

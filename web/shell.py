@@ -9,6 +9,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from web.lean import lean_file
+
 _LINKS = re.compile(r'(?:href|src)="(/[^"]+)"')
 _IMPORTS = re.compile(r'^(?:import|export)\b[^;]*?\bfrom "([^"]+)";|^import "([^"]+)";', re.MULTILINE)
 _LAZY = re.compile(r'\b(?:import\(|\.src = )"([^"]+)"')
@@ -45,7 +47,7 @@ def shell(static: Path, vendor: Mapping[str, Path]) -> Shell:
         path = vendor.get(address.removeprefix("/vendor/"), static / address.removeprefix("/static/"))
         if not path.is_file() or (address in files and (address in early or not is_early)):
             continue
-        files[address] = path.read_bytes()
+        files[address] = path.read_bytes() if address.startswith("/vendor/") else lean_file(path)
         if path.suffix in (".js", ".mjs"):
             if is_early:
                 early.append(address)
