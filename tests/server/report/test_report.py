@@ -114,7 +114,7 @@ def test_its_film_is_the_mission(report):
     state = line.get("/robots/r1")["state"]
     x, y, _ = robot["poses"][-1]
     assert (x, y) == pytest.approx((state["x_m"], state["y_m"]), abs=0.3)
-    assert len({tuple(pose) for pose in robot["poses"] if pose}) > 1  # twice a second of a drive sent in haste
+    assert len({tuple(pose) for pose in robot["poses"] if pose}) > 1  # recorded twice a second
     assert {each["name"] for each in film["victims"]} >= {victim}
     shown = [version for version in film["maps"] if version is not None]
     assert shown
