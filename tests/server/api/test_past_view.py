@@ -81,7 +81,7 @@ def test_the_recording_is_as_long_as_the_mission_and_holds_its_robot(driven):
         for _, message in film["messages"]
         if message["type"] == "SetPositionMessage" and message["name"] == "/robots/1"
     }
-    assert len(poses) > 3
+    assert len(poses) > 1
     walls = [message for _, message in film["messages"] if message.get("name") == "/map/walls"]
     assert walls
 
