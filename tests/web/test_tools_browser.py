@@ -91,7 +91,7 @@ def test_the_plan_is_searched_measured_and_told_of(home: str, page: Page, robot_
     # distances and areas: what is drawn is what the map's scale says, and Escape ends it
     page.keyboard.press("f")
     page.keyboard.press("m")
-    for x, y in ((150, 200), (250, 200), (250, 300)):
+    for x, y in ((350, 180), (410, 180), (410, 240)):
         page.locator("#plan").click(position={"x": x, "y": y})
     told = page.locator(".measured p")
     expect(told).to_contain_text("inside")
