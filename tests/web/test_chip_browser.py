@@ -138,7 +138,7 @@ def test_what_a_phone_cannot_read_is_never_written_over(scripts: Page) -> None:
 
 
 def test_a_tag_is_opened_by_touch_and_a_word_is_left_in_its_chip(browser: Browser, drill: Any) -> None:
-    host, (tag_id, other, *_) = drill["host"], sorted(drill["tags"])
+    host, tag_id, other = drill["host"], min(drill["tags"]), "Z9"
     link, chip = f"http://{host}/t/{tag_id}", SimulatedTag.formatted(CHIPS[7104], LINK)
     write_tag(chip, seal(encode_memory(TagMemory.empty()), 0, tag_id, KEY))
     context = browser.new_context(viewport={"width": 390, "height": 844}, locale="en-GB")
