@@ -30,7 +30,8 @@ export function drawResponders(ctx, view, store) {
     ctx.strokeStyle = color("good");
     ctx.lineWidth = 3;
     ctx.stroke();
-    const words = `${name}, ${age(Math.max(0, store.serverNow() - unix_s))}`;
+    const [signed] = name.split(" (sent by ");  // by whose log-in stands with the report
+    const words = `${signed}, ${age(Math.max(0, store.serverNow() - unix_s))}`;
     const at = y + 20 + 15 * row * view.text;
     ctx.strokeStyle = color("halo");
     ctx.lineWidth = 4;
