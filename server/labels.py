@@ -7,7 +7,7 @@ for the place, the way out and the next tag.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -23,6 +23,7 @@ MOST = 2000
 _MM = 1.0 / 25.4
 _PAPERS = {"a4": (210.0, 297.0), "letter": (215.9, 279.4)}
 _GRIDS = {2: (1, 2), 4: (2, 2), 8: (2, 4)}  # labels on a sheet: columns, rows
+FIT: Mapping[Literal["2", "4", "8"], Literal[2, 4, 8]] = {"2": 2, "4": 4, "8": 8}
 _BASE_MM = 74.25  # height of the label that the sizes below are for: eight on A4
 _DO = (
     "Touch or scan me: where you are, who is near,\nthe way there. No camera: type the number at\n{site}"

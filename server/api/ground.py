@@ -11,6 +11,7 @@ from fastapi.responses import Response
 from robots.tags.memory import CELL_M
 from server.api.common import ERRORS, READS, OneMission
 from server.api.maps import PNG, picture
+from server.map_image import MapImage
 from server.people.audit import AuditedRoute
 from server.schemas.findings import MapOut
 from server.schemas.ground import ContactsOut, CoverageOut, MemoriesOut, TagWindowOut, WayOut
@@ -82,5 +83,5 @@ async def get_memories(mission: OneMission) -> MemoriesOut:
     return MemoriesOut(cell_m=CELL_M, tags=tags)
 
 
-def _out(mission_id: str, image: object, png: str) -> MapOut:
-    return MapOut.model_validate(map_value(mission_id, image, png), strict=False)  # type: ignore[arg-type]
+def _out(mission_id: str, image: MapImage, png: str) -> MapOut:
+    return MapOut.model_validate(map_value(mission_id, image, png), strict=False)

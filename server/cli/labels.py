@@ -26,11 +26,11 @@ def labels(
 
     The lines are for a pen: a label is of use when no phone works. Print it in its own size (100 %).
     """
-    from server.labels import LabelError, Sheet, numbered, write_pdf
+    from server.labels import FIT, LabelError, Sheet, numbered, write_pdf
 
     try:
         tag_ids = numbered(first, last)
-        pages = write_pdf(out, tag_ids, site, Sheet(sheet, int(per_sheet)))  # type: ignore[arg-type]
+        pages = write_pdf(out, tag_ids, site, Sheet(sheet, FIT[per_sheet]))
     except LabelError as error:
         raise CommandError(str(error)) from error
     except OSError as error:

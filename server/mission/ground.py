@@ -6,7 +6,7 @@ import asyncio
 import time
 from collections.abc import Awaitable, Callable
 from dataclasses import replace
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -22,6 +22,8 @@ _KEPT_S = 2.0
 _NONE = np.zeros((0, 3))
 _NO_MAP = ApiError(404, "no_map", "There is no such map yet; it comes with the first scans.")
 
+_T = TypeVar("_T")
+
 
 class Ground:
     """Coverage, robots' own maps, and where robots were heard."""
@@ -35,25 +37,25 @@ class Ground:
 
     async def coverage(self) -> tuple[MapImage, dict[str, float]]:
         """Return a picture of how well the ground was looked at, and the areas in square metres."""
-        return await self._kept("coverage", self._coverage)  # type: ignore[no-any-return]
+        return await self._kept("coverage", self._coverage)
 
     async def own_map(self, robot_id: str) -> MapImage:
         """Return the map that one robot's scans make."""
         self._roster.get(robot_id)
-        image: MapImage = await self._kept(f"robot/{robot_id}", lambda: self._own_map(robot_id))
-        return image
+        return await self._kept(f"robot/{robot_id}", lambda: self._own_map(robot_id))
 
     async def contact(self) -> list[dict[str, Any]]:
         """Return where each robot was, and whether it was heard there or told of it later."""
-        return await self._kept("contact", self._contact)  # type: ignore[no-any-return]
+        return await self._kept("contact", self._contact)
 
-    async def _kept(self, name: str, make: Callable[[], Awaitable[Any]]) -> Any:
+    async def _kept(self, name: str, make: Callable[[], Awaitable[_T]]) -> _T:
         async with self._making:
             made_s, value = self._made.get(name, (-_KEPT_S, None))
             if value is None or time.monotonic() - made_s > _KEPT_S:
                 value = await make()
                 self._made[name] = time.monotonic(), value
-            return value
+            kept: _T = value  # a name stands for one kind of thing
+            return kept
 
     def _way(self, robot_id: str) -> tuple[np.ndarray, np.ndarray]:
         """Seqs (n,) and world poses (n, 3) of a robot's way."""

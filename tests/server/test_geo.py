@@ -88,7 +88,10 @@ def test_north_is_where_yaw_says():
 
 def test_bad_geometry_is_refused_with_what_to_do():
     here = Georeference(48.0, 11.0, 0.3)
-    point = lambda x, y, dx=0.0: ControlPoint(x, y, *here.to_earth(x + dx, y))  # noqa: E731
+
+    def point(x, y, dx=0.0):
+        return ControlPoint(x, y, *here.to_earth(x + dx, y))
+
     for points, words in (
         ([point(0, 0)], "give two"),
         ([point(0, 0), point(0.5, 0.5)], "apart"),

@@ -32,7 +32,10 @@ def drawn(rng: np.random.Generator, side: int) -> TagMemory:
     cells = rng.integers(0, 3, (side, side)).astype(np.uint8)
     cells[rng.random(cells.shape) < rng.random()] = 0
     visited = rng.integers(0, 3, (2 * int(rng.integers(0, 11)) + 1,) * 2).astype(np.uint8)
-    whole = lambda low, high: int(rng.integers(low, high))  # noqa: E731
+
+    def whole(low: int, high: int) -> int:
+        return int(rng.integers(low, high))
+
     victims = [
         VictimMark(whole(0, 256), whole(0, 65536), whole(-400, 400), whole(-400, 400), whole(0, 65536))
         for _ in range(whole(0, 6))

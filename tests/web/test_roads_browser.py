@@ -69,7 +69,10 @@ def board_of(rng: np.random.Generator) -> tuple[Board, TeamGrid | None]:
         line = [np.linspace(a, b, 20) for a, b in itertools.pairwise(stops)]
         bent = np.vstack(line) + np.where(rng.random() < 0.5, 0.0, rng.normal(0, 0.25, (1, 2)))
         board.publish({f"trail/r{robot}": {"robot_id": f"r{robot}", "points_m": bent.round(2).tolist()}})
-    where = lambda: rng.uniform(-4, 2.5 * side + 4, 2).round(4).tolist()  # noqa: E731
+
+    def where() -> list[float]:
+        return rng.uniform(-4, 2.5 * side + 4, 2).round(4).tolist()
+
     for k in range(int(rng.integers(0, 6))):
         x, y = where()
         status = str(rng.choice(["suspected", "confirmed", "dismissed"], p=[0.4, 0.4, 0.2]))
