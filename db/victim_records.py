@@ -44,6 +44,7 @@ class SaidRecord:
 
     ``live`` and ``dead`` are how many are still there (INSARAG L-n, D-n), None while nobody has said.
     ``place_m``: where a person put it, in the world frame; ``merged_into``: the victim that it really is.
+    ``tag_id``: the tag it was reported at, with which it moves.
     """
 
     status: VictimStatus = "suspected"
@@ -54,6 +55,7 @@ class SaidRecord:
     start: StartRecord = field(default_factory=StartRecord)
     place_m: tuple[float, float] | None = None
     merged_into: str | None = None
+    tag_id: str | None = None
     by: str = ""
     changed_unix_s: float | None = None
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
@@ -20,6 +20,7 @@ from robots.team import TeamTag, TeamUpdate, TeamVictim
 from server.map_image import MapImage
 
 _BY_HAND_M = 0.5  # how well a person points at a place on the plan
+_BESIDE_M = 2.0  # so far from a tag, a victim that somebody reports there may lie
 
 
 def tag_record(tag: TeamTag) -> TagRecord:
@@ -121,6 +122,12 @@ def team_values(update: TeamUpdate) -> dict[str, dict[str, Any] | None]:
 def vanished(before: Iterable[str], now: Iterable[str], kind: str) -> dict[str, None]:
     """Return the board's keys of things that are no longer there."""
     return {f"{kind}/{name}": None for name in sorted(set(before) - set(now))}
+
+
+def beside(x_m: float, y_m: float, covariance: Sequence[float]) -> PointRecord:
+    """Return where somebody lies who was reported at a tag: there, but for what one reaches from it."""
+    var_x, var_xy, var_y = covariance
+    return PointRecord(x_m, y_m, var_x + _BESIDE_M**2, var_xy, var_y + _BESIDE_M**2)
 
 
 def _put(x_m: float, y_m: float) -> PointRecord:

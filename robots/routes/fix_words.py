@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import hypot, sqrt
 
@@ -10,12 +10,11 @@ import numpy as np
 
 from robots.estimation.radio.locating import Located, Place
 from robots.routes.texts import Language, say
-from robots.routes.words import bearing_deg, compass_point, metres
+from robots.routes.words import OF_PLAN, North, metres
 
 _THERE_M = 1.0  # so near a tag is said to be here
 
 Point = tuple[float, float]
-Bearing = Callable[[Point, Point], float]
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,15 +32,19 @@ def right_to_m(place: Place) -> float:
     return 2.0 * sqrt(max(0.0, middle + hypot(half, place.var_xy)))
 
 
-def near_tag(place: Place, tags: Mapping[str, Point]) -> NearTag:
+def near_tag(place: Place, tags: Mapping[str, Point], north: North = OF_PLAN) -> NearTag:
     """Return the tag next to a place; of equals the first by name."""
     here = (place.x_m, place.y_m)
     far, tag_id = min((hypot(x - here[0], y - here[1]), tag) for tag, (x, y) in tags.items())
-    return NearTag(tag_id, far, bearing_deg(np.array(tags[tag_id]), np.array(here)))
+    return NearTag(tag_id, far, north.bearing_deg(np.array(tags[tag_id]), np.array(here)))
 
 
 def fix_text(
-    found: Located, tags: Mapping[str, Point], unknown: Sequence[str], language: Language = "en"
+    found: Located,
+    tags: Mapping[str, Point],
+    unknown: Sequence[str],
+    language: Language = "en",
+    north: North = OF_PLAN,
 ) -> str:
     """Return where one is, how well that is known, and what would tell more."""
     words = []
@@ -49,9 +52,9 @@ def fix_text(
         far, doubt = metres(found.ring.range_m), metres(2.0 * found.ring.sd_m)
         words.append(say(language, "fix_ring", far=far, tag=found.ring.node_id, doubt=doubt))
     for k, place in enumerate(found.places[:2]):
-        near, doubt = near_tag(place, tags), metres(right_to_m(place))
+        near, doubt = near_tag(place, tags, north), metres(right_to_m(place))
         key = f"fix_{'or_' if k else ''}{'at' if near.distance_m < _THERE_M else 'near'}"
-        way = compass_point(near.bearing_deg, language)
+        way = north.point(near.bearing_deg, language)
         words.append(say(language, key, far=metres(near.distance_m), way=way, tag=near.tag_id, doubt=doubt))
     if len(found.places) > 1:
         words.append(say(language, "fix_walk"))

@@ -10,7 +10,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from robots.routes.ways import Way, shortest_ways
+from robots.routes.ways import Way, centimetres, shortest_ways
 from robots.se2 import Array
 
 _HAZARD_REACH_M = 2.0
@@ -54,7 +54,7 @@ class RouteMap:
         self._hazards: dict[tuple[str, str], tuple[str, ...]] = {}
         for key, way in self._ways.items():
             self._hazards[key] = found = self.hazards_near(way.points_m)
-            self._next[key[0]].append((key[1], centimetres(way.length_m) + _HAZARD_COST_CM * len(found)))
+            self._next[key[0]].append((key[1], way.cost_cm + _HAZARD_COST_CM * len(found)))
 
     @property
     def tags(self) -> frozenset[str]:
@@ -113,11 +113,6 @@ class RouteMap:
     def _leg(self, a: str, b: str) -> Leg:
         sd_m = float(np.hypot(self._sds_m.get(a, 0.0), self._sds_m.get(b, 0.0)))
         return Leg(self._ways[a, b], self._hazards[a, b], sd_m)
-
-
-def centimetres(length_m: float) -> int:
-    """Return a length in whole centimetres."""
-    return round(100.0 * length_m)
 
 
 def _is_near(points_m: Array, hazard: Hazard) -> bool:

@@ -6,7 +6,7 @@ import numpy as np
 
 from robots.team import TeamGrid
 
-_OCCUPIED_FROM = 65  # per cent, as ROS's map_server
+OCCUPIED_FROM = 65  # per cent, as ROS's map_server
 _NEAR_END_M = 0.6  # a victim often lies against something
 
 
@@ -19,4 +19,4 @@ def is_clear(grid: TeamGrid, start: tuple[float, float], end: tuple[float, float
     rows = np.floor((start[1] + dy * steps - grid.origin_m[1]) / grid.resolution_m).astype(int)
     height, width = grid.cells.shape
     inside = (rows >= 0) & (rows < height) & (columns >= 0) & (columns < width)
-    return not bool((grid.cells[rows[inside], columns[inside]] >= _OCCUPIED_FROM).any())
+    return not bool((grid.cells[rows[inside], columns[inside]] >= OCCUPIED_FROM).any())

@@ -10,6 +10,7 @@ TEXTS: dict[Language, dict[str, str]] = {
     "en": {
         "north": "north", "north_east": "north-east", "east": "east", "south_east": "south-east",
         "south": "south", "south_west": "south-west", "west": "west", "north_west": "north-west",
+        "of_plan": "plan {way}",
         "metres": "{n} m",
         "about": "about {far}",
         "go": "go {far} {way}",
@@ -17,6 +18,7 @@ TEXTS: dict[Language, dict[str, str]] = {
         "turn_right": "turn right and go {far}",
         "turn_round": "turn round and go {far}",
         "leg": "{pieces} to tag {tag}.",
+        "narrow": "Narrow: about {width} cm.",
         "take_care": "Take care: {hazard}.",
         "last_leg": "From tag {tag} go {far} {way}: there is {goal}.",
         "goal_victim": "victim {name}", "goal_tag": "tag {name}", "goal_note": "note {name}",
@@ -32,7 +34,7 @@ TEXTS: dict[Language, dict[str, str]] = {
         "fix_at": "You are at tag {tag}, give or take {doubt}.",
         "fix_or_near": "Or about {far} {way} of tag {tag}, give or take {doubt}.",
         "fix_or_at": "Or at tag {tag}, give or take {doubt}.",
-        "fix_walk": "Both fit what is heard: walk a few steps and ask again.",
+        "fix_walk": "More than one place fits what is heard: walk a few steps, and it shows which.",
         "fix_ring": "You are about {far} from node {tag}, in any direction, give or take {doubt}."
         " One more node would tell where.",
         "fix_misfit": "What is heard does not agree, so trust this less.",
@@ -42,6 +44,7 @@ TEXTS: dict[Language, dict[str, str]] = {
     "de": {
         "north": "Norden", "north_east": "Nordosten", "east": "Osten", "south_east": "Südosten",
         "south": "Süden", "south_west": "Südwesten", "west": "Westen", "north_west": "Nordwesten",
+        "of_plan": "Plan-{way}",
         "metres": "{n} m",
         "about": "etwa {far}",
         "go": "{far} nach {way} gehen",
@@ -49,6 +52,7 @@ TEXTS: dict[Language, dict[str, str]] = {
         "turn_right": "dann rechts {far}",
         "turn_round": "dann umdrehen und {far} zurück",
         "leg": "{pieces} bis Marke {tag}.",
+        "narrow": "Eng: etwa {width} cm.",
         "take_care": "Vorsicht: {hazard}.",
         "last_leg": "Von Marke {tag} {far} nach {way} gehen: Dort ist {goal}.",
         "goal_victim": "Opfer {name}", "goal_tag": "Marke {name}", "goal_note": "Notiz {name}",
@@ -64,7 +68,8 @@ TEXTS: dict[Language, dict[str, str]] = {
         "fix_at": "Sie sind an Marke {tag}, auf {doubt} genau.",
         "fix_or_near": "Oder etwa {far} nach {way} von Marke {tag}, auf {doubt} genau.",
         "fix_or_at": "Oder an Marke {tag}, auf {doubt} genau.",
-        "fix_walk": "Beides passt zu dem, was zu hören ist: einige Schritte gehen und noch einmal fragen.",
+        "fix_walk": "Zu dem, was zu hören ist, passt mehr als ein Ort: Nach einigen Schritten zeigt sich,"
+        " welcher.",
         "fix_ring": "Sie sind etwa {far} von Knoten {tag} entfernt, Richtung unbekannt, auf {doubt} genau."
         " Ein weiterer Knoten würde zeigen, wo.",
         "fix_misfit": "Was zu hören ist, passt nicht zusammen: Trauen Sie dem weniger.",

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
+from math import inf
 
 import numpy as np
 from scipy.spatial import cKDTree
 
+from robots.routes.width import narrowness
 from robots.se2 import Array
+from robots.team import TeamGrid
 
 PASSED_M = 0.75  # a trail that comes so near to a tag passes it
 _BENDS_M = 0.5  # bends smaller than this are no bends to a person
@@ -17,20 +20,35 @@ _BENDS_M = 0.5  # bends smaller than this are no bends to a person
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Way:
-    """A way that was driven: ``points_m`` (n, 2) in the world frame, with both tags at its ends."""
+    """A way that was driven: ``points_m`` (n, 2) in the world frame, with both tags at its ends.
+
+    ``width_m`` of its narrowest passage; ``narrow_cm``: by how much more than its length it counts for that.
+    """
 
     from_tag: str
     to_tag: str
     points_m: Array
+    width_m: float = inf
+    narrow_cm: int = 0
 
     @property
     def length_m(self) -> float:
         """How long it is."""
         return length(self.points_m)
 
+    @property
+    def cost_cm(self) -> int:
+        """What it costs to walk it, in whole centimetres: its length, and more where it is narrow."""
+        return centimetres(self.length_m) + self.narrow_cm
+
     def reversed(self) -> Way:
         """Return the way back."""
-        return Way(self.to_tag, self.from_tag, self.points_m[::-1])
+        return replace(self, from_tag=self.to_tag, to_tag=self.from_tag, points_m=self.points_m[::-1])
+
+
+def centimetres(length_m: float) -> int:
+    """Return a length in whole centimetres."""
+    return round(100.0 * length_m)
 
 
 def length(points_m: Array) -> float:
@@ -38,11 +56,13 @@ def length(points_m: Array) -> float:
     return float(np.hypot(*np.diff(points_m, axis=0).T).sum())
 
 
-def ways_along(trail_m: Array, tags: Mapping[str, tuple[float, float]]) -> list[Way]:
+def ways_along(
+    trail_m: Array, tags: Mapping[str, tuple[float, float]], grid: TeamGrid | None = None
+) -> list[Way]:
     """Return the ways of a trail (k, 2) between the tags it passes, in the order in which it passes them.
 
     A tag counts as passed where the trail is nearest to it, once for each time that it comes near. A trail
-    has no gap: whoever was carried off begins another.
+    has no gap: whoever was carried off begins another. With the fused map ways know how wide they are.
     """
     names = sorted(tags)
     if len(names) < 2 or len(trail_m) < 2:
@@ -59,16 +79,17 @@ def ways_along(trail_m: Array, tags: Mapping[str, tuple[float, float]]) -> list[
     for (i, a), (j, b) in pairwise(passed):
         if a != b:
             points = np.vstack([places[a], trail_m[i : j + 1], places[b]])
-            ways.append(Way(names[a], names[b], simplified(points, _BENDS_M)))
+            width = (inf, 0) if grid is None else narrowness(grid, trail_m[i : j + 1])
+            ways.append(Way(names[a], names[b], simplified(points, _BENDS_M), *width))
     return ways
 
 
 def shortest_ways(ways: Iterable[Way]) -> dict[tuple[str, str], Way]:
-    """Return the shortest way of each pair of tags, in both directions."""
+    """Return the way of each pair of tags that costs least, in both directions."""
     best: dict[tuple[str, str], Way] = {}
     for way in ways:
         key = way.from_tag, way.to_tag
-        if key not in best or way.length_m < best[key].length_m:
+        if key not in best or way.cost_cm < best[key].cost_cm:
             best[key], best[key[::-1]] = way, way.reversed()
     return best
 

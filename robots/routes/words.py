@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import dataclass
 from itertools import pairwise
 from math import atan2, degrees
+from typing import Literal
 
 import numpy as np
 
 from robots.routes.planner import Leg
 from robots.routes.texts import Language, say
+from robots.routes.ways import Way, centimetres
+from robots.routes.width import NARROW_M
 from robots.se2 import Array
 
 _POINTS = ("north", "north_east", "east", "south_east", "south", "south_west", "west", "north_west")
@@ -17,15 +21,37 @@ _STRAIGHT_DEG = 35.0  # a smaller turn is no turn
 _UNCERTAIN_M, _UNCERTAIN_SHARE = 1.0, 0.25
 
 
+@dataclass(frozen=True, slots=True)
+class North:
+    """Where north is: ``x_axis_deg`` is the true bearing of the plan's x axis.
+
+    None where nobody has said how the plan lies on the Earth: north is the plan's then, along x, and said so.
+    """
+
+    x_axis_deg: float | None = None
+
+    @property
+    def kind(self) -> Literal["true", "plan"]:
+        """From which north bearings are."""
+        return "plan" if self.x_axis_deg is None else "true"
+
+    def bearing_deg(self, start: Array, end: Array) -> float:
+        """Return the bearing from one point to another, 0 to 360."""
+        return float((bearing_deg(start, end) + (self.x_axis_deg or 0.0)) % 360.0)
+
+    def point(self, bearing: float, language: Language = "en") -> str:
+        """Return the nearest of eight points of the compass to a bearing from this north."""
+        way = say(language, _POINTS[round(bearing / 45.0) % 8])
+        return way if self.x_axis_deg is not None else say(language, "of_plan", way=way)
+
+
+OF_PLAN = North()
+
+
 def bearing_deg(start: Array, end: Array) -> float:
-    """Return the compass bearing from one point to another, 0 to 360; x points north, y west."""
+    """Return the bearing from one point to another on the plan, 0 to 360, clockwise from x."""
     dx, dy = end - start
     return float(-degrees(atan2(dy, dx)) % 360.0)
-
-
-def compass_point(bearing: float, language: Language = "en") -> str:
-    """Return the nearest of eight points of the compass."""
-    return say(language, _POINTS[round(bearing / 45.0) % 8])
 
 
 def is_uncertain(leg: Leg) -> bool:
@@ -33,7 +59,12 @@ def is_uncertain(leg: Leg) -> bool:
     return leg.sd_m > _UNCERTAIN_M or leg.sd_m > _UNCERTAIN_SHARE * leg.way.length_m
 
 
-def leg_text(leg: Leg, language: Language = "en") -> str:
+def is_narrow(way: Way) -> bool:
+    """Say whether people in gear have to squeeze through it."""
+    return way.width_m < NARROW_M
+
+
+def leg_text(leg: Leg, language: Language = "en", north: North = OF_PLAN) -> str:
     """Return a leg as a sentence: "Go 6 m north, turn left and go 3 m to tag A4."."""
 
     def piece(key: str, way: str, run_m: float) -> str:
@@ -44,10 +75,10 @@ def leg_text(leg: Leg, language: Language = "en") -> str:
     key, way, run_m = "go", "", 0.0
     before: float | None = None
     for start, end in pairwise(leg.way.points_m):
-        bearing, step_m = bearing_deg(start, end), float(np.hypot(*(end - start)))
+        bearing, step_m = north.bearing_deg(start, end), float(np.hypot(*(end - start)))
         turn = 0.0 if before is None else (bearing - before + 180.0) % 360.0 - 180.0
         if before is None:
-            way = compass_point(bearing, language)
+            way = north.point(bearing, language)
         elif abs(turn) > _STRAIGHT_DEG:
             pieces.append(piece(key, way, run_m))
             side = "round" if abs(turn) > 145.0 else "left" if turn < 0.0 else "right"
@@ -55,6 +86,8 @@ def leg_text(leg: Leg, language: Language = "en") -> str:
         run_m, before = run_m + step_m, bearing
     text = ", ".join([*pieces, piece(key, way, run_m)])
     sentence = say(language, "leg", pieces=text[0].upper() + text[1:], tag=leg.way.to_tag)
+    if is_narrow(leg.way):
+        sentence += f" {say(language, 'narrow', width=10 * round(centimetres(leg.way.width_m) / 10))}"
     return sentence + warning(leg.hazards, language)
 
 

@@ -31,8 +31,9 @@ async def get_pocket(
 ) -> Response:
     """Return all that a phone needs to answer without the server: plan, tags, ways, victims, notes.
 
-    Routes over `ways` cost their length in centimetres and 5,000 for each hazard within 2 m; `ends` of what
-    is looked for are the tags from which it is in sight, with the centimetres still to go.
+    Routes over `ways` cost their length in centimetres, what each counts more for being narrow, and 5,000 for
+    each hazard within 2 m; `ends` of what is looked for are the tags from which it is in sight, with the
+    centimetres still to go.
     """
     pack = await mission.pocket.pack()
     headers = {"ETag": pack.etag, "Cache-Control": "no-cache", "Vary": "Accept-Encoding"}

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from math import isfinite
 from typing import Annotated
 
 from fastapi import APIRouter, Query
 
 from robots.routes.planner import Leg
 from robots.routes.texts import Language
-from robots.routes.words import bearing_deg, is_uncertain, leg_text
+from robots.routes.words import North, is_uncertain, leg_text
 from robots.tags.short_id import understood
 from server.api.common import ERRORS, READS, AllMissions, OneMission, Viewer
 from server.errors import ApiError
@@ -35,16 +36,17 @@ To = Annotated[str, Query(max_length=120, description="victim:ID, tag:ID or note
 async def get_route(mission: OneMission, from_: From, to: To, language: Speaks = "en") -> RouteOut:
     """Return tags to follow one after the other, each with distance, bearing and what to do in words.
 
-    It runs where robots have driven, round hazards where that is possible, and says where it is uncertain.
+    It runs where robots have driven, round hazards and narrow places where that is possible, and says where
+    it is uncertain.
     """
     route = mission.routes.find(mission.shared_map.grid, from_, to, language)
-    last = None
+    north, last = mission.routes.north, None
     if route.last is not None:
         start, end = route.last.points_m
         last = LastOut(
             from_tag=route.last.from_tag,
             distance_m=route.last.length_m,
-            bearing_deg=bearing_deg(start, end),
+            bearing_deg=north.bearing_deg(start, end),
             text=route.last_text,
         )
     return RouteOut(
@@ -53,8 +55,9 @@ async def get_route(mission: OneMission, from_: From, to: To, language: Speaks =
         x_m=route.to_m[0],
         y_m=route.to_m[1],
         distance_m=route.distance_m,
-        legs=[_leg(leg, language) for leg in route.legs],
+        legs=[_leg(leg, language, north) for leg in route.legs],
         last=last,
+        north=north.kind,
     )
 
 
@@ -91,15 +94,16 @@ async def get_typed(typed: Typed, missions: AllMissions, by: Viewer) -> TypedOut
     return TypedOut(tag_ids=list(found.tag_ids), trouble=found.trouble)
 
 
-def _leg(leg: Leg, language: Language) -> LegOut:
+def _leg(leg: Leg, language: Language, north: North) -> LegOut:
     way = leg.way
     return LegOut(
         from_tag=way.from_tag,
         to_tag=way.to_tag,
         distance_m=way.length_m,
-        bearing_deg=bearing_deg(way.points_m[0], way.points_m[1]),
-        text=leg_text(leg, language),
+        bearing_deg=north.bearing_deg(way.points_m[0], way.points_m[1]),
+        text=leg_text(leg, language, north),
         points_m=[[round(float(x), 2), round(float(y), 2)] for x, y in way.points_m],
         uncertain=is_uncertain(leg),
+        width_m=way.width_m if isfinite(way.width_m) else None,
         hazards=list(leg.hazards),
     )

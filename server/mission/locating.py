@@ -15,12 +15,13 @@ from robots.estimation.radio.locating import Heard, Located, Plan, Since, locate
 from robots.estimation.radio.walls import WALL_DB
 from robots.routes.fix_words import fix_text, near_tag, right_to_m
 from robots.routes.texts import Language
+from robots.routes.words import North
 from robots.team import TeamGrid
 from server.board import Board
 from server.errors import ApiError, unknown
 from server.map_image import classes_of
 from server.mission.roster import Roster
-from server.mission.routes import places_of, sd_of
+from server.mission.routes import north_of, places_of, sd_of
 from server.mission.shared_map import SharedMap
 from server.robot import Robot
 from server.schemas.locating import HeardIn, LocatedOut, LocateIn, PlaceOut, RingOut
@@ -59,7 +60,8 @@ class Locating:
                 message = "What was heard of the nodes contradicts itself; stand still and listen again."
             raise ApiError(409, "nothing_heard", message, "heard")
         found = await asyncio.to_thread(locate, heard, ears.shared, since, _plan(self._shared_map.grid))
-        return _answer(found, nodes, contrary, strange, language)
+        north = north_of(self._board.get("georeference"))
+        return _answer(found, nodes, contrary, strange, language, north)
 
     @property
     def ears(self) -> Ears:
@@ -68,23 +70,27 @@ class Locating:
 
     def value(self) -> dict[str, Any]:
         """Return the radio as a phone needs it; the same object while nothing has changed."""
-        ears = self.ears
-        radio = ears.radio
-        value = {
-            "power_at_1m_dbm": radio.power_at_1m_dbm,
-            "path_loss_exponent": radio.path_loss_exponent,
-            "distances_m": list(radio.table_distances_m or (0.0,)),
-            "sds_db": list(radio.table_sds_db or (radio.shadowing_sd_db,)),
-            "fading_sd_db": radio.fading_sd_db,
-            "reach_m": radio.reach_m,
-            "gain_sd_db": GAIN_SD_DB,
-            "wall_db": WALL_DB,
-            "scale": ears.scale,
-            "offsets_m": dict(ears.offsets_m),
-        }
+        value = radio_value(self.ears)
         if value != self._value:
             self._value = value
         return self._value
+
+
+def radio_value(ears: Ears) -> dict[str, Any]:
+    """Return a radio as phones take it."""
+    radio = ears.radio
+    return {
+        "power_at_1m_dbm": radio.power_at_1m_dbm,
+        "path_loss_exponent": radio.path_loss_exponent,
+        "distances_m": list(radio.table_distances_m or (0.0,)),
+        "sds_db": list(radio.table_sds_db or (radio.shadowing_sd_db,)),
+        "fading_sd_db": radio.fading_sd_db,
+        "reach_m": radio.reach_m,
+        "gain_sd_db": GAIN_SD_DB,
+        "wall_db": WALL_DB,
+        "scale": ears.scale,
+        "offsets_m": dict(ears.offsets_m),
+    }
 
 
 def ears_of(robots: Iterable[Robot]) -> Ears:
@@ -150,11 +156,12 @@ def _answer(
     contrary: list[str],
     strange: list[str],
     language: Language,
+    north: North,
 ) -> LocatedOut:
     tags = {tag_id: (node.x_m, node.y_m) for tag_id, node in nodes.items()}
     places = []
     for place in found.places:
-        near = near_tag(place, tags)
+        near = near_tag(place, tags, north)
         places.append(
             PlaceOut(
                 x_m=place.x_m,
@@ -182,8 +189,9 @@ def _answer(
     return LocatedOut(
         places=places,
         ring=ring,
+        north=north.kind,
         fits=found.fits,
         left_out=left_out,
         unknown=strange,
-        text=fix_text(found, tags, strange, language),
+        text=fix_text(found, tags, strange, language, north),
     )

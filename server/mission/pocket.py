@@ -10,9 +10,11 @@ import json
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import isfinite
 from typing import Any
 
-from robots.routes.planner import RouteMap, centimetres
+from robots.routes.planner import RouteMap
+from robots.routes.ways import centimetres
 from robots.team import TeamGrid
 from server.board import Board, Value
 from server.map_image import MapImage
@@ -64,7 +66,7 @@ class Pocket:
             evacuation, record = self._board.get("evacuation"), self._roster.record
             now: list[object] = [*(value for values in kinds.values() for value in values), image, grid]
             radio = self._locating.value()
-            now += [evacuation, record, radio]
+            now += [evacuation, record, radio, self._board.get("georeference")]
             is_same = len(now) == len(self._of) and all(a is b for a, b in zip(now, self._of, strict=True))
             if pack is None or not is_same:
                 head = {
@@ -74,8 +76,9 @@ class Pocket:
                     "created_unix_s": record.created_unix_s,
                     "evacuation": evacuation,
                     "radio": radio,
+                    "x_axis_deg": self._routes.north.x_axis_deg,
                 }
-                roads = self._routes.roads()
+                roads = self._routes.roads(grid)
                 pack = await asyncio.to_thread(pack_of, head, kinds, roads, image, grid)
                 self._of, self._pack = now, pack
             self._packed_s = time.monotonic()
@@ -134,13 +137,15 @@ def pack_of(
 
 
 def _ways(roads: RouteMap, of: dict[str, int]) -> list[list[Any]]:
-    """Return for each way the numbers of its tags, its length and its points (x, y, x, ...) in cm."""
+    """Return for each way its tags, length, points (x, y, x, ...), narrowness and width in cm (0: wide)."""
     return [
         [
             of[way.from_tag],
             of[way.to_tag],
             centimetres(way.length_m),
             [centimetres(float(number)) for number in way.points_m.ravel()],
+            way.narrow_cm,
+            centimetres(way.width_m) if isfinite(way.width_m) else 0,
         ]
         for way in roads.ways
         if way.from_tag in of and way.to_tag in of

@@ -7,7 +7,7 @@ import time
 from typing import Any
 from uuid import UUID
 
-from db.records import AnnotationRecord, PointRecord
+from db.records import AnnotationRecord
 from db.reports import ReportRecord
 from db.store import Store
 from db.victim_records import SaidRecord, StartRecord, VictimRecord
@@ -19,9 +19,9 @@ from server.mission.chip_notes import ChipNotes
 from server.mission.evacuation import Evacuation
 from server.mission.victims import Victims
 from server.schemas.reports import ReportIn
+from server.sharing import beside
 
 _LATE_S = 60.0
-_BESIDE_M = 2.0  # so far from the tag, a victim that somebody reports there may lie
 _CLOCKS = {"kind", "made_by", "phone_unix_s", "offset_s", "sent_phone_unix_s"}
 
 
@@ -113,14 +113,14 @@ class Reports:
             note = said.model_copy(update={"note": "victim", "text": counts.strip()})
             return await self._take_note(record, note)
         victim_id = f"p-{record.report_id[:8]}"
-        var_x, var_xy, var_y = tag["covariance"]
-        place = PointRecord(tag["x_m"], tag["y_m"], var_x + _BESIDE_M**2, var_xy, var_y + _BESIDE_M**2)
+        place = beside(tag["x_m"], tag["y_m"], tag["covariance"])
         words = SaidRecord(
             status="reached",
             note=f"At tag {said.tag_id}. {said.text}".strip(),
             live=said.live,
             dead=said.dead,
             start=start,
+            tag_id=said.tag_id,
             by=record.by,
             changed_unix_s=record.made_unix_s,
         )

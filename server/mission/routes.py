@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Set
-from dataclasses import dataclass
-from math import hypot, sqrt
+from dataclasses import dataclass, replace
+from math import degrees, hypot, sqrt
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from robots.routes.planner import Hazard, Leg, NoRouteError, RouteMap
 from robots.routes.sight import is_clear
 from robots.routes.texts import Language, say
 from robots.routes.ways import Way, ways_along
-from robots.routes.words import bearing_deg, compass_point, metres, warning
+from robots.routes.words import North, metres, warning
 from robots.team import TeamGrid
 from server.board import Board, Value
 from server.errors import ApiError, unknown
@@ -37,12 +37,17 @@ class Route:
 
 
 class Routes:
-    """Finds routes; the ways are gathered anew only when tags, trails or notes have changed."""
+    """Finds routes; the ways are gathered anew only when tags, trails, notes or the map have changed."""
 
     def __init__(self, board: Board) -> None:
         self._board = board
-        self._of: list[Value] = []  # what the roads were made of; values of a board never change in place
+        self._of: list[object] = []  # what the roads were made of; values of a board never change in place
         self._roads = RouteMap([])
+
+    @property
+    def north(self) -> North:
+        """Where north is, as far as the mission's georeference tells."""
+        return north_of(self._board.get("georeference"))
 
     def find(self, grid: TeamGrid | None, from_tag: str, to: str, language: Language = "en") -> Route:
         """Return the best route from a tag to ``tag:ID``, ``victim:ID`` or ``note:ID``.
@@ -50,31 +55,45 @@ class Routes:
         Raises:
             ApiError: there is no such thing, or no route to it.
         """
-        self._refresh()
-        return _find(self._board, self._roads, grid, from_tag, to, language)
+        self._refresh(grid)
+        return _find(self._board, self._roads, grid, from_tag, to, language, self.north)
 
-    def neighbours(self, tag_id: str) -> list[tuple[str, Way, float]]:
+    def neighbours(self, grid: TeamGrid | None, tag_id: str) -> list[tuple[str, Way, float]]:
         """Return the tags next to a tag with the ways and bearings there, the nearest first."""
-        self._refresh()
+        self._refresh(grid)
         return [
-            (way.to_tag, way, bearing_deg(way.points_m[0], way.points_m[1]))
+            (way.to_tag, way, self.north.bearing_deg(way.points_m[0], way.points_m[1]))
             for way in self._roads.neighbours(tag_id)
         ]
 
-    def roads(self) -> RouteMap:
+    def roads(self, grid: TeamGrid | None) -> RouteMap:
         """Return the tags and ways as they are now; what is returned never changes."""
-        self._refresh()
+        self._refresh(grid)
         return self._roads
 
-    def _refresh(self) -> None:
+    def _refresh(self, grid: TeamGrid | None) -> None:
         board = self._board
-        now = [value for kind in ("tag", "trail", "annotation") for value in board.of_kind(kind)]
+        now: list[object] = [grid]
+        now += [value for kind in ("tag", "trail", "annotation") for value in board.of_kind(kind)]
         if len(now) != len(self._of) or any(a is not b for a, b in zip(now, self._of, strict=True)):
-            self._of, self._roads = now, _roads(board)
+            self._of, self._roads = now, _roads(board, grid)
+
+
+def north_of(georeference: Value | None) -> North:
+    """Return where north is, to a hundredth of a degree: phones are told no more."""
+    if georeference is None:
+        return North()
+    return North(round((90.0 - degrees(georeference["yaw_rad"])) % 360.0, 2))
 
 
 def _find(
-    board: Board, roads: RouteMap, grid: TeamGrid | None, from_tag: str, to: str, language: Language
+    board: Board,
+    roads: RouteMap,
+    grid: TeamGrid | None,
+    from_tag: str,
+    to: str,
+    language: Language,
+    north: North,
 ) -> Route:
     tags = {value["tag_id"]: value for value in board.of_kind("tag")}
     if from_tag not in tags:
@@ -95,8 +114,8 @@ def _find(
         raise ApiError(409, "no_route", f"There is no route: {error}.", "to") from error
     last = legs[-1].way.to_tag if legs else from_tag
     way = Way(last, to, np.array([places[last], target]))
-    bearing = bearing_deg(way.points_m[0], way.points_m[1])
-    goal, where = say(language, f"goal_{kind}", name=name), compass_point(bearing, language)
+    bearing = north.bearing_deg(way.points_m[0], way.points_m[1])
+    goal, where = say(language, f"goal_{kind}", name=name), north.point(bearing, language)
     text = say(language, "last_leg", tag=last, far=metres(way.length_m), way=where, goal=goal)
     text += warning(roads.hazards_near(way.points_m), language)
     return Route(tuple(legs), target, way, text)
@@ -147,15 +166,15 @@ def place_of(value: Value, places: Mapping[str, tuple[float, float]]) -> tuple[f
     return places.get(value.get("tag_id") or "")
 
 
-def _roads(board: Board) -> RouteMap:
+def _roads(board: Board, grid: TeamGrid | None) -> RouteMap:
     tags = {value["tag_id"]: value for value in board.of_kind("tag")}
     places = places_of(tags.values())
     sound = {tag_id: place for tag_id, place in places.items() if tags[tag_id]["state"] == "sound"}
     ways: list[Way] = []
     for trail in board.of_kind("trail"):
         if len(trail["points_m"]) > 1:
-            ways += ways_along(np.array(trail["points_m"]), sound)
-    ways = [Way(way.from_tag, way.to_tag, np.round(way.points_m, 2)) for way in ways]
+            ways += ways_along(np.array(trail["points_m"]), sound, grid)
+    ways = [replace(way, points_m=np.round(way.points_m, 2)) for way in ways]
     sds_m = {tag_id: sd_of(value) for tag_id, value in tags.items()}
     hazards = []
     for note in board.of_kind("annotation"):

@@ -112,6 +112,7 @@ class SharedMap:
         tags = [tag_record(tag) for tag in update.tags]
         await self._store.tags.record_tags(self._mission_id, tags)
         await self._victims.take(update.victims, absent)
+        await self._victims.follow({tag.tag_id: tag for tag in tags})
         values: dict[str, dict[str, Any] | None] = dict(team_values(update))
         values |= {f"tag/{tag_id}": None for tag_id in self._vanished(update.tags, absent)}
         values |= {f"tag/{tag.tag_id}": tag_value(tag) for tag in tags}

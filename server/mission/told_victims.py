@@ -42,6 +42,8 @@ class ToldVictims:
             victim = self._told(tag_id, mark)
             if victim is not None and not self._is_found(key, victim):
                 await self._victims.add(victim)
+            if victim is not None:
+                await self._victims.move({victim.victim_id: victim.place})
         for victim in self._victims.all():
             found = self._finding_of(victim)
             if found is not None:

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import asyncio
 import time
-from collections.abc import Iterable, Set
+from collections.abc import Iterable, Mapping, Set
 from dataclasses import replace
+from math import hypot, sqrt
 from typing import Any
 
+from db.records import PointRecord, TagRecord
 from db.store import Store
 from db.victim_records import SaidRecord, VictimRecord
 from robots.team import TeamVictim
@@ -15,7 +17,9 @@ from server.board import Board
 from server.errors import ApiError, unknown
 from server.mission.alerts import Alerts
 from server.mission.events import Events
-from server.sharing import victim_record, victim_value
+from server.sharing import beside, victim_record, victim_value
+
+_SEEN_M = 0.01
 
 
 class Victims:
@@ -90,6 +94,30 @@ class Victims:
         text = f"Victim {victim_id} is {victim.said.status} again: {by} took a change back."
         await self._events.tell("victim_judged", text)
 
+    async def move(self, places: Mapping[str, PointRecord]) -> None:
+        """Let victims that no robot has seen lie where their tags have come to lie."""
+        async with self._changing:
+            known = self._victims
+            moved = [
+                replace(known[name], place=place)
+                for name, place in places.items()
+                if name in known and _differs(known[name].place, place)
+            ]
+            if moved:
+                await self._store.findings.record_victims(self._mission_id, moved)
+                self._keep(moved)
+
+    async def follow(self, tags: Mapping[str, TagRecord]) -> None:
+        """Move what people reported with its tag; not with one that was carried off, or answers elsewhere."""
+        at = {name: (victim, tags.get(victim.said.tag_id or "")) for name, victim in self._victims.items()}
+        await self.move(
+            {
+                name: _at(tag)
+                for name, (victim, tag) in at.items()
+                if tag is not None and tag.state == "sound" and not victim.robots
+            }
+        )
+
     def _check_merge(self, victim_id: str, into: str | None) -> None:
         if into is None:
             return
@@ -141,6 +169,17 @@ class Victims:
         for victim in victims:
             self._victims[victim.victim_id] = victim
             self._board.publish({f"victim/{victim.victim_id}": victim_value(victim)})
+
+
+def _at(tag: TagRecord) -> PointRecord:
+    place = tag.place
+    return beside(place.x_m, place.y_m, (place.var_x, place.var_xy, place.var_y))
+
+
+def _differs(place: PointRecord, other: PointRecord) -> bool:
+    """Say whether a place has changed by what anybody would see."""
+    apart = hypot(place.x_m - other.x_m, place.y_m - other.y_m)
+    return apart > _SEEN_M or abs(sqrt(place.var_x + place.var_y) - sqrt(other.var_x + other.var_y)) > _SEEN_M
 
 
 def _words(before: SaidRecord, after: SaidRecord) -> str:

@@ -6,7 +6,7 @@ from math import hypot
 from typing import Any
 
 from robots.routes.texts import Language, say
-from robots.routes.words import compass_point, metres
+from robots.routes.words import North, metres
 from server.board import Board
 from server.errors import ApiError
 from server.mission.routes import Route, Routes
@@ -24,7 +24,7 @@ def whereabouts(
         raise ApiError(404, "unknown_tag", f"There is no tag {tag_id!r} on the map; read another one.")
     neighbours = [
         {"tag_id": b, "distance_m": way.length_m, "bearing_deg": bearing}
-        for b, way, bearing in routes.neighbours(tag_id)[:_NEIGHBOURS]
+        for b, way, bearing in routes.neighbours(grid, tag_id)[:_NEIGHBOURS]
     ]
     victims = []
     for victim in board.of_kind("victim"):
@@ -48,7 +48,8 @@ def whereabouts(
         "y_m": tag["y_m"],
         "sd_m": hypot(tag["covariance"][0] ** 0.5, tag["covariance"][2] ** 0.5),
         "notice": tag["notice"],
-        "text": _text(tag_id, neighbours, victims, language),
+        "text": _text(tag_id, neighbours, victims, language, routes.north),
+        "north": routes.north.kind,
         "neighbours": neighbours,
         "victims": victims,
     }
@@ -62,7 +63,11 @@ def _route(routes: Routes, grid: Any, tag_id: str, victim_id: str) -> Route | No
 
 
 def _text(
-    tag_id: str, neighbours: list[dict[str, Any]], victims: list[dict[str, Any]], language: Language
+    tag_id: str,
+    neighbours: list[dict[str, Any]],
+    victims: list[dict[str, Any]],
+    language: Language,
+    north: North,
 ) -> str:
     words = [say(language, "you_are_at", tag=tag_id)]
     if neighbours:
@@ -71,7 +76,7 @@ def _text(
                 language,
                 "next_to_it",
                 far=metres(n["distance_m"]),
-                way=compass_point(n["bearing_deg"], language),
+                way=north.point(n["bearing_deg"], language),
                 tag=n["tag_id"],
             )
             for n in neighbours[:2]

@@ -7,6 +7,7 @@ from typing import Annotated, Self
 from pydantic import ConfigDict, Field, model_validator
 
 from server.schemas.common import Covariance, Metres, Wire
+from server.schemas.routes import NorthKind
 
 TagId = Annotated[str, Field(min_length=1, max_length=100)]
 
@@ -84,6 +85,7 @@ class LocatedOut(Wire):
 
     places: list[PlaceOut]
     ring: RingOut | None
+    north: NorthKind
     fits: bool = Field(description="What is heard agrees; otherwise the covariances were widened.")
     left_out: list[str] = Field(description="Nodes not used: those that contradict all others or themselves.")
     unknown: list[str] = Field(description="Nodes whose place is not known.")

@@ -92,10 +92,12 @@ class PocketOut(Wire):
     created_unix_s: float
     evacuation: EvacuationOut | None
     radio: PocketRadioOut
+    x_axis_deg: float | None = Field(description="True bearing of the plan's x axis; null while not known.")
     map: PocketPlanOut | None
     tags: list[PocketTagOut]
-    ways: list[tuple[int, int, int, list[int]]] = Field(
-        description="Numbers of two tags, the length in cm, and the points between, x and y of each in cm."
+    ways: list[tuple[int, int, int, list[int], int, int]] = Field(
+        description="Numbers of two tags, the length in cm, the points between, x and y of each in cm, by how"
+        " much more it counts for being narrow, and its narrowest width, 0 where not known, in cm."
     )
     victims: list[PocketVictimOut]
     notes: list[PocketNoteOut]

@@ -2,12 +2,21 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import Field
 
 from db.victim_records import VictimStatus
 from server.schemas.common import Wire
+
+NorthKind = Annotated[
+    Literal["true", "plan"],
+    Field(
+        description="From which north bearings are: true north by the mission's georeference, or the plan's,"
+        " along x, where nobody has said how it lies on the Earth. A compass shows magnetic north, some"
+        " degrees off true; by how much here is not known."
+    ),
+]
 
 
 class LegOut(Wire):
@@ -16,10 +25,11 @@ class LegOut(Wire):
     from_tag: str
     to_tag: str
     distance_m: float
-    bearing_deg: float = Field(description="Compass bearing at its start, 0 to 360.")
+    bearing_deg: float = Field(description="Bearing at its start, 0 to 360, from `north`.")
     text: str
     points_m: list[list[float]] = Field(description="Where it bends, x and y of each point, ends included.")
     uncertain: bool = Field(description="Length and direction are but a guess.")
+    width_m: float | None = Field(description="Of its narrowest passage, up to 4 m; null where not known.")
     hazards: list[str] = Field(description="What it passes.")
 
 
@@ -60,6 +70,7 @@ class WhereOut(Wire):
     sd_m: float = Field(description="Standard deviation of its place.")
     notice: str
     text: str
+    north: NorthKind
     neighbours: list[NeighbourOut]
     victims: list[NearVictimOut]
 
@@ -83,3 +94,4 @@ class RouteOut(Wire):
     distance_m: float
     legs: list[LegOut]
     last: LastOut | None
+    north: NorthKind

@@ -52,6 +52,7 @@ class VictimOut(Wire):
     triage: Triage = Field(description="By START from `start`; `deceased` only by what a person found.")
     place_m: tuple[float, float] | None = Field(description="Where a person put it, if one has.")
     merged_into: str | None = Field(description="The victim that it really is.")
+    tag_id: str | None = Field(description="The tag it was reported at and moves with; null of others.")
     by: str = Field(description="Who said so last; empty while only robots have.")
     changed_unix_s: float | None
 

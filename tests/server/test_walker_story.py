@@ -17,7 +17,7 @@ from robots.config import AgentConfig
 from robots.overrides import override
 from robots.routes.planner import RouteMap
 from robots.routes.ways import Way
-from robots.routes.words import bearing_deg, compass_point, leg_text, metres
+from robots.routes.words import OF_PLAN, bearing_deg, leg_text, metres
 from robots.sim.live import play
 from robots.sim.responder import Responder
 from robots.sim.scenario import ScenarioConfig
@@ -52,7 +52,7 @@ class PocketPhone:
         here, there = self.places[tag_id], np.array([self.victim["x_m"], self.victim["y_m"]])
         bearing, far = bearing_deg(here, there), metres(float(hypot(*(there - here))))
         return Advice(
-            bearing, f"From tag {tag_id} go {far} {compass_point(bearing)}: there is the victim.", None
+            bearing, f"From tag {tag_id} go {far} {OF_PLAN.point(bearing)}: there is the victim.", None
         )
 
 

@@ -13,7 +13,7 @@ from fastapi import FastAPI
 from playwright.sync_api import Browser, Page
 
 from robots.routes.texts import Language
-from robots.routes.words import bearing_deg, is_uncertain, leg_text
+from robots.routes.words import is_uncertain, leg_text
 from robots.team import TeamGrid
 from server.board import Board
 from server.errors import ApiError
@@ -102,7 +102,7 @@ def board_of(rng: np.random.Generator) -> tuple[Board, TeamGrid | None]:
         board.publish({f"annotation/n{k}": value})
     if rng.random() < 0.5:
         return board, None
-    cells = np.where(rng.random((200, 200)) < 0.01, 100, 0).astype(np.int8)
+    cells = np.where(rng.random((200, 200)) < rng.choice([0.01, 0.05]), 100, 0).astype(np.int8)
     return board, TeamGrid(cells, (-5.0, -5.0), 0.2, 1)
 
 
@@ -110,6 +110,8 @@ def case_of(seed: int, language: Language) -> tuple[dict[str, Any], dict[str, An
     rng = np.random.default_rng(seed)
     board, grid = board_of(rng)
     kinds = {kind: board.of_kind(kind) for kind in ("tag", "trail", "victim", "annotation")}
+    if seed % 2:
+        board.publish({"georeference": {"yaw_rad": float(rng.uniform(-4.0, 4.0))}})
     routes = Routes(board)
     head = {
         "mission_id": "m",
@@ -117,8 +119,9 @@ def case_of(seed: int, language: Language) -> tuple[dict[str, Any], dict[str, An
         "state": "running",
         "created_unix_s": 0.0,
         "evacuation": None,
+        "x_axis_deg": routes.north.x_axis_deg,
     }
-    pocket = json.loads(pack_of(head, kinds, routes.roads(), None, grid).plain)
+    pocket = json.loads(pack_of(head, kinds, routes.roads(grid), None, grid).plain)
     names = [value["tag_id"] for value in kinds["tag"]]
     goals = [f"tag:{name}" for name in names] + [f"victim:{v['victim_id']}" for v in kinds["victim"]]
     goals += [f"note:{note['annotation_id']}" for note in kinds["annotation"]]
@@ -141,8 +144,8 @@ def route_of(
     legs = [
         {
             "tags": [leg.way.from_tag, leg.way.to_tag],
-            "text": leg_text(leg, language),
-            "bearing": bearing_deg(*leg.way.points_m[:2]),
+            "text": leg_text(leg, language, routes.north),
+            "bearing": routes.north.bearing_deg(*leg.way.points_m[:2]),
             "uncertain": is_uncertain(leg),
             "hazards": list(leg.hazards),
             "points": leg.way.points_m.tolist(),

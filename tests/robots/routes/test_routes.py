@@ -11,22 +11,26 @@ from hypothesis import strategies as st
 from robots.routes.planner import Hazard, NoRouteError, RouteMap
 from robots.routes.sight import is_clear
 from robots.routes.ways import Way, length, shortest_ways, simplified, ways_along
-from robots.routes.words import bearing_deg, compass_point, leg_text
+from robots.routes.words import OF_PLAN, North, bearing_deg, is_narrow, leg_text
 from robots.team import TeamGrid
+
+TRUE = North(0.0)  # the plan's x axis points north
 
 names = st.sampled_from("ABCDEFG")
 places = {name: (float(3 * k % 7), float(5 * k % 11)) for k, name in enumerate("ABCDEFG")}
 
 
 def straight(a: str, b: str) -> Way:
-    return Way(a, b, np.array([places[a], places[b]]))
+    """A way; some are narrow."""
+    narrow_cm = 400 * ((ord(a) + ord(b)) % 3)
+    return Way(a, b, np.array([places[a], places[b]]), 0.6 if narrow_cm else inf, narrow_cm)
 
 
 @given(st.lists(st.tuples(names, names).filter(lambda p: p[0] != p[1]), max_size=12), names, names)
 def test_a_route_is_as_short_as_the_best_of_all_walks(pairs, start, goal):
     ways = shortest_ways(straight(a, b) for a, b in pairs)
     cost = dict.fromkeys(itertools.product(places, places), inf)
-    cost |= {(a, a): 0.0 for a in places} | {key: way.length_m for key, way in ways.items()}
+    cost |= {(a, a): 0.0 for a in places} | {key: way.cost_cm for key, way in ways.items()}
     for k, a, b in itertools.product(places, places, places):  # Floyd 1962
         cost[a, b] = min(cost[a, b], cost[a, k] + cost[k, b])
     roads = RouteMap(straight(a, b) for a, b in pairs)
@@ -35,7 +39,7 @@ def test_a_route_is_as_short_as_the_best_of_all_walks(pairs, start, goal):
             roads.route(start, [goal])
         return
     legs = roads.route(start, [goal])
-    assert sum(leg.way.length_m for leg in legs) == pytest.approx(cost[start, goal])
+    assert sum(leg.way.cost_cm for leg in legs) == cost[start, goal]
     tags = [start, *(leg.way.to_tag for leg in legs)]
     assert tags[-1] == goal
     assert all(leg.way.from_tag == tag for leg, tag in zip(legs, tags, strict=False))
@@ -52,7 +56,7 @@ def test_of_several_ends_the_one_that_is_nearest_in_all_is_taken(pairs, start, o
         except NoRouteError:
             return inf
         last = legs[-1].way.to_tag if legs else start
-        return sum(leg.way.length_m for leg in legs) + ends[last]
+        return sum(leg.way.cost_cm for leg in legs) + 100.0 * ends[last]
 
     assert whole([one, other]) == pytest.approx(min(whole([one]), whole([other])))
 
@@ -93,11 +97,13 @@ def test_a_tag_passed_again_begins_a_way_again():
 def test_words_say_how_far_which_way_and_where_to_turn():
     way = Way("A", "B", np.array([[0.0, 0.0], [6.0, 0.0], [6.0, 3.0]]))
     (leg,) = RouteMap([way]).route("A", ["B"])
-    assert leg_text(leg) == "Go 6 m north, turn left and go 3 m to tag B."
+    assert leg_text(leg, "en", TRUE) == "Go 6 m north, turn left and go 3 m to tag B."
+    assert leg_text(leg) == "Go 6 m plan north, turn left and go 3 m to tag B."
+    assert leg_text(leg, "en", North(100.0)) == "Go 6 m east, turn left and go 3 m to tag B."
     (back,) = RouteMap([way]).route("B", ["A"])
-    assert leg_text(back) == "Go 3 m east, turn right and go 6 m to tag A."
+    assert leg_text(back, "en", TRUE) == "Go 3 m east, turn right and go 6 m to tag A."
     (vague,) = RouteMap([way], {"A": 3.0}).route("A", ["B"])
-    assert leg_text(vague) == "Go about 6 m north, turn left and go about 3 m to tag B."
+    assert leg_text(vague, "en", TRUE) == "Go about 6 m north, turn left and go about 3 m to tag B."
 
 
 @pytest.mark.parametrize(
@@ -108,8 +114,10 @@ def test_words_say_how_far_which_way_and_where_to_turn():
 def test_bearings_are_the_compass(to, bearing, point):
     found = bearing_deg(np.zeros(2), np.array(to, float))
     assert found == pytest.approx(bearing)
-    assert compass_point(found) == point
-    assert compass_point(359.0) == "north"
+    assert TRUE.point(found) == point
+    assert North(30.0).bearing_deg(np.zeros(2), np.array(to, float)) == pytest.approx((found + 30.0) % 360.0)
+    assert TRUE.point(359.0) == "north"
+    assert OF_PLAN.point(90.0, "de") == "Plan-Osten"
 
 
 def test_hazards_are_gone_round_where_that_is_possible_and_told_where_not():
@@ -137,3 +145,46 @@ def test_a_wall_hides_what_is_behind_it_but_not_what_lies_against_it():
     assert is_clear(grid, (1.0, 5.5), (8.0, 5.5))
     assert is_clear(grid, (1.0, 1.0), (4.1, 1.0))  # against the wall
     assert is_clear(grid, (-9.0, 1.0), (1.0, 1.0))  # from beyond the map
+
+
+def corridors(width_m: float) -> TeamGrid:
+    """A block with a corridor round it: 2 m wide in the north, ``width_m`` in the south; cells of 5 cm."""
+    cells = np.full((200, 300), 100, np.int8)
+    cells[20:180, 20:280] = 0  # all round
+    cells[60 if width_m >= 2.0 else 20 + round(20 * width_m) : 140, 60:240] = 100
+    return TeamGrid(cells, (0.0, 0.0), 0.05, 1)
+
+
+def ways_round(grid: TeamGrid, south_m: float) -> list[Way]:
+    """Two ways from A to B: through the south, and through the north, which is longer."""
+    tags = {"A": (2.0, 2.0), "B": (13.0, 2.0), "C": (7.5, 8.0)}
+    y = 1.0 + south_m / 2.0
+    south = [(2.0, 2.0), (2.0, y), (13.0, y), (13.0, 2.0)]
+    north = [(2.0, 2.0), (2.0, 8.0), (7.5, 8.0), (13.0, 8.0), (13.0, 2.0)]
+    trails = [np.vstack([np.linspace(a, b, 60) for a, b in itertools.pairwise(t)]) for t in (south, north)]
+    return [way for trail in trails for way in ways_along(trail, tags, grid)]
+
+
+def test_the_width_of_a_way_is_that_of_its_narrowest_passage():
+    for width in (0.6, 0.9, 1.4):
+        (south,) = [
+            way for way in ways_round(corridors(width), width) if way.to_tag == "B" and way.from_tag == "A"
+        ]
+        assert south.width_m == pytest.approx(width, abs=0.11)
+        assert is_narrow(south) == (width < 0.75)
+    (wide,) = [way for way in ways_round(corridors(2.0), 2.0) if (way.from_tag, way.to_tag) == ("A", "B")]
+    assert (wide.narrow_cm, is_narrow(wide)) == (0, False)
+    assert wide.width_m > 1.8
+    (unseen,) = ways_along(np.array([[2.0, 2.0], [13.0, 2.0]]), {"A": (2.0, 2.0), "B": (13.0, 2.0)})
+    assert (unseen.width_m, unseen.narrow_cm) == (inf, 0)
+
+
+def test_a_wide_passage_is_preferred_to_a_narrow_one_that_is_little_shorter():
+    for width, through in ((0.6, ["C", "B"]), (1.4, ["B"])):
+        legs = RouteMap(ways_round(corridors(width), width)).route("A", ["B"])
+        assert [leg.way.to_tag for leg in legs] == through
+    narrow = RouteMap([way for way in ways_round(corridors(0.6), 0.6) if way.to_tag == "B"]).route(
+        "A", ["B"]
+    )[0]
+    assert leg_text(narrow).endswith("to tag B. Narrow: about 60 cm.") or "about 50 cm" in leg_text(narrow)
+    assert "Eng: etwa" in leg_text(narrow, "de")

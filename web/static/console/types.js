@@ -32,7 +32,7 @@
  *   acknowledged_by: string, acknowledged_unix_s: number | null}} Alert
  * @typedef {{victim_id: string, x_m: number, y_m: number, covariance: number[], confidence: number, status: string,
  *   sightings: number, robots: string[], note: string, team: string, live: number | null, dead: number | null,
- *   start: Start, triage: string, place_m: [number, number] | null, merged_into: string | null, by: string,
+ *   start: Start, triage: string, place_m: [number, number] | null, merged_into: string | null, tag_id: string | null, by: string,
  *   changed_unix_s: number | null}} Victim
  * @typedef {{walks: boolean | null, breaths_per_min: number | null, breathes_after_airway: boolean | null,
  *   pulse: boolean | null, obeys: boolean | null}} Start

@@ -1,8 +1,8 @@
 /**
  * Where this phone is between tags: steps counted and the compass followed from the tag read last, with an error that grows.
- * Phones tell no signal strengths to pages, so ranging to radio nodes is for devices that post what they hear to the server.
  */
 
+import { headingOnPlan } from "./compass.js";
 import { state } from "./state.js";
 
 /** North and west of the mission's frame, metres; `sd_m` along each axis. @typedef {{x_m: number, y_m: number, sd_m: number, steps: number}} Place */
@@ -10,6 +10,8 @@ import { state } from "./state.js";
 const STEP_M = 0.7; // of somebody in gear, Weinberg 2002 gives 0.6 to 0.8
 const STEP_SD = 0.15; // share of the way: length of a step, and steps missed
 const HEADING_SD = 0.25; // rad: compass indoors, and how the phone is held
+const LONG_STEP = 1 + 2 * STEP_SD;
+const AT_TAG_M = 0.5; // who touches a tag stands beside it
 const GRAVITY = 9.81;
 const PEAK = 1.2; // m/s2 above rest that a step makes
 const REST = 0.3;
@@ -44,31 +46,44 @@ export class Walk {
     this.y_m = tag.y_m;
     this.steps = 0;
     this.along_m = 0;
+    this.blind_m = 0;
   }
 
-  /** @param {number} heading degrees from north */
+  /** @param {number | null} heading degrees from the plan's north; null where that is not known */
   step(heading) {
+    this.steps += 1;
+    if (heading === null) {
+      this.blind_m += STEP_M;
+      return;
+    }
     const angle = (heading * Math.PI) / 180;
     this.x_m += STEP_M * Math.cos(angle);
     this.y_m -= STEP_M * Math.sin(angle);
-    this.steps += 1;
     this.along_m += STEP_M;
   }
 
   /** Errors of a heading and of a step's length last, so they grow with the way, not with its root. @returns {Place} */
   get place() {
-    const sd_m = Math.hypot(this.start.sd_m, STEP_SD * this.along_m, HEADING_SD * this.along_m);
+    const sd_m = Math.hypot(this.start.sd_m, STEP_SD * this.along_m, HEADING_SD * this.along_m, this.blind_m / Math.SQRT2);
     return { x_m: this.x_m, y_m: this.y_m, sd_m, steps: this.steps };
   }
 }
 
 const counter = new StepCounter();
+let feels = false; // this phone tells how it is shaken
 /** @type {{tagId: string, walk: Walk} | null} */
 let now = null;
 
 /** Where the phone is by its own steps; null where it cannot tell. @returns {Place | null} */
 export function placeNow() {
   return now && now.tagId === state.tagId && now.walk.steps ? now.walk.place : null;
+}
+
+/** Where the phone was for certain, and how far it can have come; null where steps are not counted. @returns {import("./likelihood.js").Since | null} */
+export function sinceTag() {
+  if (!now || now.tagId !== state.tagId || !feels) return null;
+  const { start, steps } = now.walk;
+  return { x_m: start.x_m, y_m: start.y_m, sd_m: Math.hypot(start.sd_m / Math.SQRT2, AT_TAG_M), at_most_m: LONG_STEP * STEP_M * steps };
 }
 
 /** Begin at the tag that was read. */
@@ -80,9 +95,10 @@ export function begin() {
 /** Count steps from now on. @param {() => void} onStep */
 export function countSteps(onStep) {
   addEventListener("devicemotion", ({ accelerationIncludingGravity: felt }) => {
-    if (!now || state.heading === null || !felt || felt.x === null || felt.y === null || felt.z === null) return;
-    if (!counter.feel(felt.x, felt.y, felt.z, performance.now())) return;
-    now.walk.step(state.heading);
+    if (!felt || felt.x === null || felt.y === null || felt.z === null) return;
+    feels = true;
+    if (!now || !counter.feel(felt.x, felt.y, felt.z, performance.now())) return;
+    now.walk.step(headingOnPlan());
     onStep();
   });
 }

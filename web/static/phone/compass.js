@@ -7,6 +7,12 @@ const EVERY_MS = 100;
 
 let shown_ms = 0;
 
+/** How the phone is turned on the plan, degrees from the plan's north; null where that cannot be told. */
+export function headingOnPlan() {
+  const north = state.roads?.north ?? null;
+  return state.heading === null || north === null ? null : state.heading - north;
+}
+
 /** @param {() => void} onTurn called when the phone was turned */
 export function watchCompass(onTurn) {
   const turn = (/** @type {number} */ heading) => {

@@ -4,7 +4,7 @@ import { html } from "../console/vendor.js";
 import { state } from "./state.js";
 import { language, say } from "./texts.js";
 import { lead, target, touch } from "./touch.js";
-import { metres } from "./words.js";
+import { bearing, metres } from "./words.js";
 
 /** @import {Route, Step} from "./types.js" */
 /** @typedef {import("./texts.js").Key} Key */
@@ -20,7 +20,8 @@ function turnFrom(step) {
   if (!edge) return null;
   const [x0, y0, x1, y1] = edge.points.slice(-4);
   const came = (-Math.atan2(y1 - y0, x1 - x0) * 180) / Math.PI;
-  const turn = ((((step.bearing_deg - came + 180) % 360) + 360) % 360) - 180;
+  const [start, next] = step.points_m;
+  const turn = ((((bearing(next[0] - start[0], next[1] - start[1]) - came + 180) % 360) + 360) % 360) - 180;
   const key = Math.abs(turn) <= STRAIGHT_DEG ? "keep_behind" : Math.abs(turn) > BACK_DEG ? "go_back" : turn < 0 ? "behind_left" : "behind_right";
   return { turn, text: say(/** @type {Key} */ (key), { tag: before, far: metres(step.distance_m) }) };
 }
@@ -43,18 +44,20 @@ export function Guide({ route, to }) {
     <button type="button" onClick=${() => lead(null)}>${say("done")}</button></section>`;
   const here = metres(step.distance_m);
   const next = step.to_tag ? say("to_tag", { tag: step.to_tag }) : say(/** @type {Key} */ (`to_the_${kind}`));
-  const relative = state.heading === null ? turnFrom(step) : null;
+  const heading = state.roads?.north === null ? null : state.heading; // a compass is no help on a plan that nobody has turned to north
+  const relative = heading === null ? turnFrom(step) : null;
   const whole = Math.max(target()?.whole_m ?? 0, route.distance_m);
   return html`<section class="go" aria-label=${say("way_to", { goal })}>
     <p class="soft">${say("to_goal", { goal, far: metres(route.distance_m) })}</p>
-    <${Arrow} step=${step} turn=${relative ? relative.turn : step.bearing_deg - (state.heading ?? 0)} />
+    <${Arrow} step=${step} turn=${relative ? relative.turn : step.bearing_deg - (heading ?? state.roads?.north ?? 0)} />
     <p class="number">${step.uncertain ? say("about", { far: here }) : here}</p>
     <p class="next">${next}</p>
     ${relative && html`<p class="text"><b>${relative.text}</b></p>`}
     <p class="text">${step.text}</p>
     ${step.uncertain && html`<p class="trouble">${say("leg_unsure")}</p>`}
     <progress max=${whole} value=${whole - route.distance_m} aria-label=${say("progress")}></progress>
-    ${state.heading === null && html`<p class="soft">${say(relative ? "arrow_from_behind" : "north_up")}</p>`}
+    <p class="soft">${say(relative ? "arrow_from_behind" : heading === null ? "north_up" : "magnetic")}</p>
+    ${state.roads?.north === null && html`<p class="soft">${say("plan_north")}</p>`}
     <div class="row">${step.to_tag && html`<a class="button" href=${`/t/${encodeURIComponent(step.to_tag)}`}
         onClick=${(/** @type {Event} */ event) => { event.preventDefault(); touch(/** @type {string} */ (step.to_tag), state.where?.mission_id); }}>
         ${say("i_am_at", { tag: step.to_tag })}</a>`}
@@ -64,6 +67,6 @@ export function Guide({ route, to }) {
 
 /** @param {{step: Step, turn: number}} props */
 function Arrow({ step, turn }) {
-  return html`<svg viewBox="0 0 100 100" role="img" aria-label=${say("arrow", { degrees: Math.round(step.bearing_deg) })}>
+  return html`<svg viewBox="0 0 100 100" role="img" aria-label=${say(state.roads?.north === null ? "arrow_on_plan" : "arrow", { degrees: Math.round(step.bearing_deg) })}>
     <g transform=${`rotate(${turn} 50 50)`}><path d="M50 6 86 80 50 64 14 80Z" fill="var(--accent)" /></g></svg>`;
 }

@@ -8,6 +8,7 @@ import { Doubt, Entry } from "./entry.js";
 import { Guide } from "./guide.js";
 import { MemoryView } from "./memory_view.js";
 import { openOutbox } from "./outbox.js";
+import { Nodes } from "./listen.js";
 import { PlanView } from "./plan.js";
 import { openPockets } from "./pockets.js";
 import { askWho, onReach } from "./reach.js";
@@ -26,7 +27,7 @@ const AGES_MS = 10_000;
 function Page() {
   const { where } = state;
   const trouble = html`${state.trouble && html`<p class="trouble" role="alert">${state.trouble}</p>`}<${Doubt} />`;
-  if (!where) return html`<h1>${say("which_tag")}</h1>${trouble}${state.said && html`<p role="status">${state.said}</p>`}<${Entry} /><${Languages} />`;
+  if (!where) return html`<h1>${say("which_tag")}</h1>${trouble}${state.said && html`<p role="status">${state.said}</p>`}<${Entry} /><${Nodes} />${state.fix && html`<${PlanView} />`}<${Languages} />`;
   const goal = target();
   return html`<h1>${say("tag", { tag: where.tag_id })}</h1>
     ${trouble}
@@ -35,7 +36,7 @@ function Page() {
     <p class="where">${where.text}${where.sd_m > 1 ? ` ${say("place_unsure", { far: metres(where.sd_m) })}` : ""}</p>
     ${where.notice && html`<p class="trouble">${where.notice}</p>`}
     ${where.victims.length > 0 && html`<h2>${say("lead_me_to")}</h2><ul>${where.victims.map(NearVictim)}</ul>`}
-    ${state.pocket && html`<${Between} /><${PlanView} />`}
+    ${state.pocket && html`<${Between} /><${Nodes} /><${PlanView} />`}
     <${MemoryView} />
     <${Word} />
     <h2>${say("at_another_tag")}</h2><${Entry} />

@@ -2,6 +2,8 @@
 
 import { Component, html } from "../console/vendor.js";
 import { placeNow } from "./between.js";
+import { headingOnPlan } from "./compass.js";
+import { drawFix, reachOfFix } from "./fix_draw.js";
 import { state } from "./state.js";
 import { say } from "./texts.js";
 import { inMetres } from "./words.js";
@@ -9,6 +11,7 @@ import { inMetres } from "./words.js";
 /** @import {Pocket, Plan} from "./types.js" */
 
 const HALF_M = 8; // shown to each side of the phone
+const MOST_M = 25;
 
 /** @type {{version: string, image: ImageBitmap | null} | null} */
 let drawn = null;
@@ -36,23 +39,31 @@ export class PlanView extends Component {
     const canvas = /** @type {HTMLCanvasElement | null} */ (/** @type {any} */ (this).base);
     const context = canvas?.getContext?.("2d");
     const tag = state.roads?.tags[state.roads.numbers.get(state.tagId) ?? -1];
-    if (!canvas || !context || !state.pocket || !tag) return;
+    const me = placeNow() ?? tag ?? middleOfFix();
+    if (!canvas || !context || !state.pocket || !me) return;
     const side = Math.round(canvas.clientWidth * devicePixelRatio);
     if (!side) return;
     canvas.width = canvas.height = side;
-    const me = placeNow() ?? tag;
-    const scale = side / (2 * HALF_M);
+    const scale = side / (2 * Math.min(Math.max(HALF_M, reachOfFix(me)), MOST_M));
     /** North (x) is up, west (y) is left. @param {number} x_m @param {number} y_m */
     const at = (x_m, y_m) => /** @type {const} */ ([side / 2 - (y_m - me.y_m) * scale, side / 2 - (x_m - me.x_m) * scale]);
     drawPlan(context, state.pocket, at, scale, () => this.draw());
     drawWays(context, at, scale);
     drawPoints(context, state.pocket, at, scale);
-    drawMe(context, me, at, scale);
+    drawFix(context, at, scale);
+    const own = placeNow() ?? tag;
+    if (own) drawMe(context, own, at, scale);
   }
 
   render() {
-    return html`<canvas class="plan" role="img" aria-label=${say("plan_label", { tag: state.tagId })}></canvas>`;
+    return html`<canvas class="plan" role="img" aria-label=${state.tagId ? say("plan_label", { tag: state.tagId }) : say("plan_of_fix")}></canvas>`;
   }
+}
+
+/** The middle of the plan where no tag was read yet. @returns {{x_m: number, y_m: number} | null} */
+function middleOfFix() {
+  const id = state.fix?.ring?.node_id;
+  return (id && state.roads?.tags[state.roads.numbers.get(id) ?? -1]) || state.fix?.places[0] || null;
 }
 
 /** @typedef {(x_m: number, y_m: number) => readonly [number, number]} At */
@@ -124,10 +135,11 @@ function drawMe(context, me, at, scale) {
   context.strokeStyle = "#45d6a0";
   context.lineWidth = 0.12 * scale;
   context.stroke();
-  if (state.heading === null) return;
+  const heading = headingOnPlan();
+  if (heading === null) return;
   context.save();
   context.translate(x, y);
-  context.rotate((state.heading * Math.PI) / 180);
+  context.rotate((heading * Math.PI) / 180);
   context.beginPath();
   context.moveTo(0, -0.9 * scale);
   context.lineTo(0.4 * scale, 0.4 * scale);

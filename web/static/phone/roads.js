@@ -13,6 +13,8 @@ export class Roads {
   /** @param {Pocket} pocket @param {PocketNote[]} notes also those that this phone has not sent yet */
   constructor(pocket, notes = pocket.notes) {
     this.tags = pocket.tags;
+    /** True bearing of the plan's x axis; null where nobody has said how the plan lies on the Earth. */
+    this.north = pocket.x_axis_deg ?? null;
     /** @type {Map<string, number>} */
     this.numbers = new Map(pocket.tags.map((tag, k) => [tag.tag_id, k]));
     const order = pocket.tags.map((_, k) => k).sort((a, b) => (pocket.tags[a].tag_id < pocket.tags[b].tag_id ? -1 : 1));
@@ -23,9 +25,9 @@ export class Roads {
     this.next = pocket.tags.map(() => []);
     this.hazards = hazardsOf(notes);
     for (const way of pocket.ways) {
-      const [a, b, cm, points] = way;
+      const [a, b, cm, points, narrow_cm] = way;
       const found = this.hazardsNear(points);
-      const cost = cm + HAZARD_COST_CM * found.length;
+      const cost = cm + narrow_cm + HAZARD_COST_CM * found.length;
       this.next[a].push({ way, points, to: b, cost, hazards: found });
       this.next[b].push({ way, points: reversed(points), to: a, cost, hazards: found });
     }

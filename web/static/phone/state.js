@@ -17,6 +17,7 @@ export const state = {
   /** Compass heading of the phone, degrees from north; null where it tells none. @type {number | null} */ heading: null,
   /** @type {Evacuation | null} */ evacuation: null,
   /** What was read of the tag's memory. @type {(import("./memory.js").Said & {tagId: string, isFromChip: boolean}) | null} */ memory: null,
+  /** Where the phone is by the nodes it hears. @type {(import("./locating.js").Located & {text: string}) | null} */ fix: null,
   called: false,
   scanning: false,
   /** What was left last, as it stands in a chip. @type {{tagId: string, text: string} | null} */ word: null,

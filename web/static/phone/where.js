@@ -1,7 +1,7 @@
 /** Where am I, and the way there, from what the phone carries. As server/mission/whereabouts.py and routes.py answer. */
 
 import { say } from "./texts.js";
-import { bearing, compassPoint, inMetres, lastOf, legOf, lengthOf, metres } from "./words.js";
+import { bearingFrom, compassPoint, inMetres, lastOf, legOf, lengthOf, metres } from "./words.js";
 
 /** @import {Roads} from "./roads.js" */
 /** @import {End, NearVictim, Pocket, Route, Where} from "./types.js" */
@@ -76,7 +76,7 @@ function textOf(roads, tagId, victims) {
   const words = [say("you_are_at", { tag: tagId })];
   const there = roads.neighbours(tagId).slice(0, 2).map((edge) => {
     const points = inMetres(edge.points);
-    const way = compassPoint(bearing(points[1][0] - points[0][0], points[1][1] - points[0][1]));
+    const way = compassPoint(bearingFrom(roads.north, points[1][0] - points[0][0], points[1][1] - points[0][1]), roads.north);
     return say("next_to_it", { far: metres(lengthOf(points)), way, tag: roads.tags[edge.to].tag_id });
   });
   if (there.length) words.push(`${there.join("; ")}.`);

@@ -10,6 +10,7 @@ import { say } from "./texts.js";
 const POINTS = ["north", "north_east", "east", "south_east", "south", "south_west", "west", "north_west"];
 const STRAIGHT_DEG = 35; // a smaller turn is no turn
 const ROUND_DEG = 145;
+const NARROW_CM = 75;
 const UNCERTAIN_M = 1;
 const UNCERTAIN_SHARE = 0.25;
 
@@ -29,8 +30,14 @@ export function bearing(dx, dy) {
   return degrees < 0 ? degrees + 360 : degrees + 0;
 }
 
-/** @param {number} degrees */
-export const compassPoint = (degrees) => say(POINTS[rounded(degrees / 45) % 8]);
+/** Bearing from true north, or from the plan's where that is not known. @param {number | null} north true bearing of the plan's x @param {number} dx @param {number} dy */
+export const bearingFrom = (north, dx, dy) => (bearing(dx, dy) + (north ?? 0)) % 360;
+
+/** @param {number} degrees @param {number | null} north */
+export function compassPoint(degrees, north) {
+  const way = say(POINTS[rounded(degrees / 45) % 8]);
+  return north === null ? say("of_plan", { way }) : way;
+}
 
 /** @param {number} sd_m @param {number} length_m */
 const isUncertain = (sd_m, length_m) => sd_m > UNCERTAIN_M || sd_m > UNCERTAIN_SHARE * length_m;
@@ -45,32 +52,34 @@ export function legOf(roads, from, edge) {
     from_tag: start.tag_id,
     to_tag: end.tag_id,
     distance_m: length_m,
-    bearing_deg: bearing(points[1][0] - points[0][0], points[1][1] - points[0][1]),
-    text: legText(points, end.tag_id, uncertain, edge.hazards),
+    bearing_deg: bearingFrom(roads.north, points[1][0] - points[0][0], points[1][1] - points[0][1]),
+    text: legText(points, end.tag_id, uncertain, edge, roads.north),
     uncertain,
     hazards: edge.hazards,
     points_m: points,
   };
 }
 
-/** @param {[number, number][]} points @param {string} toTag @param {boolean} uncertain @param {string[]} hazards */
-function legText(points, toTag, uncertain, hazards) {
-  return withCare(say("leg", { pieces: capital(piecesOf(points, uncertain).join(", ")), tag: toTag }), hazards);
+/** @param {[number, number][]} points @param {string} toTag @param {boolean} uncertain @param {Edge} edge @param {number | null} north */
+function legText(points, toTag, uncertain, { way, hazards }, north) {
+  const leg = say("leg", { pieces: capital(piecesOf(points, uncertain, north).join(", ")), tag: toTag });
+  const width = way[5];
+  return withCare(width && width < NARROW_CM ? `${leg} ${say("narrow", { width: 10 * rounded(width / 10) })}` : leg, hazards);
 }
 
 /** @param {string} text @param {string[]} hazards */
 const withCare = (text, hazards) => [text, ...hazards.map((hazard) => say("take_care", { hazard }))].join(" ");
 
-/** @param {[number, number][]} points @param {boolean} uncertain */
-function piecesOf(points, uncertain) {
+/** @param {[number, number][]} points @param {boolean} uncertain @param {number | null} north */
+function piecesOf(points, uncertain, north) {
   /** @type {{key: Key, way: string, run_m: number}[]} */
   const runs = [];
   let before = 0;
   points.slice(1).forEach(([x, y], k) => {
     const [dx, dy] = [x - points[k][0], y - points[k][1]];
-    const now = bearing(dx, dy);
+    const now = bearingFrom(north, dx, dy);
     const turn = modulo(now - before + 180, 360) - 180;
-    if (!runs.length) runs.push({ key: "go", way: compassPoint(now), run_m: 0 });
+    if (!runs.length) runs.push({ key: "go", way: compassPoint(now, north), run_m: 0 });
     else if (Math.abs(turn) > STRAIGHT_DEG) {
       runs.push({ key: Math.abs(turn) > ROUND_DEG ? "turn_round" : turn < 0 ? "turn_left" : "turn_right", way: "", run_m: 0 });
     }
@@ -84,9 +93,9 @@ function piecesOf(points, uncertain) {
 export function lastOf(roads, from, place, goal) {
   const tag = roads.tags[from];
   const [dx, dy] = [place[0] - tag.x_m, place[1] - tag.y_m];
-  const [distance_m, bearing_deg] = [Math.hypot(dx, dy), bearing(dx, dy)];
+  const [distance_m, bearing_deg] = [Math.hypot(dx, dy), bearingFrom(roads.north, dx, dy)];
   const hazards = roads.hazardsNear([tag.x_m, tag.y_m, ...place].map((number) => Math.round(100 * number)));
-  const text = withCare(say("last_leg", { tag: tag.tag_id, far: metres(distance_m), way: compassPoint(bearing_deg), goal }), hazards);
+  const text = withCare(say("last_leg", { tag: tag.tag_id, far: metres(distance_m), way: compassPoint(bearing_deg, roads.north), goal }), hazards);
   const points_m = /** @type {[number, number][]} */ ([[tag.x_m, tag.y_m], place]);
   return { from_tag: tag.tag_id, to_tag: null, distance_m, bearing_deg, text, uncertain: false, hazards, points_m };
 }
