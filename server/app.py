@@ -40,6 +40,7 @@ from server.api import (
     stream,
     tags,
     victims,
+    view,
 )
 from server.api import annotations as annotations_api
 from server.api import audit as audit_api
@@ -128,6 +129,7 @@ def create_app(settings: Settings) -> FastAPI:
         maps,
         best_map,
         stream,
+        view,
         past_view,
     ):
         api.include_router(module.router)

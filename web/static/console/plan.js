@@ -177,6 +177,7 @@ export class Plan {
 
   /** Put what is selected into the middle of the view. */
   centreOnSelected() {
+    this.store.centred += 1;
     const place = this.#selectedAt();
     if (!place?.every(Number.isFinite)) return;
     if (this.mode === "fit") this.#setMode("free");
@@ -192,6 +193,7 @@ export class Plan {
   #setMode(mode) {
     if (mode === this.mode) return;
     this.mode = mode;
+    this.store.follows = mode === "follow";
     this.store.changed();
   }
 
