@@ -13,6 +13,7 @@ _WIDE_M, _NARROWEST_M = 1.2, 0.6  # from here on a metre counts more, up to twic
 _SQUEEZE_CM = 300  # so long a detour is better than squeezing through
 _LOOK_M = 2.0  # to each side
 _STEP_M = 0.25
+_PASSED_M = 0.3  # at the least, where a robot came through
 _AHEAD = 2  # steps over which the way's direction is taken
 
 
@@ -47,7 +48,9 @@ def _widths(grid: TeamGrid, points: Array) -> Array:
     ahead = points[np.minimum(indices + _AHEAD, count - 1)] - points[np.maximum(indices - _AHEAD, 0)]
     ahead /= np.maximum(np.hypot(*ahead.T), 1e-9)[:, None]
     across = np.column_stack([-ahead[:, 1], ahead[:, 0]])
-    return _room(grid, points, across) + _room(grid, points, -across)
+    left, right = _room(grid, points, across), _room(grid, points, -across)
+    in_wall = (left == 0.0) | (right == 0.0)  # it was driven through: the map errs there, not the robot
+    return np.where(in_wall, 2.0 * _LOOK_M, np.maximum(left + right, _PASSED_M))
 
 
 def _room(grid: TeamGrid, points: Array, towards: Array) -> Array:

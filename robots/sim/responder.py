@@ -10,13 +10,15 @@ import json
 import threading
 import time
 import urllib.request
+from collections.abc import Sequence
 from typing import Any
 from urllib.parse import quote, urlencode
 from uuid import uuid4
 
+from robots.sim.hearing import Device
 from robots.sim.simulation import Simulation
 from robots.sim.tags import BASE_TAG
-from robots.sim.walker import TICK_S, Advice, Walker
+from robots.sim.walker import TICK_S, Advice, Fix, Walker
 
 _LOOK_EVERY_S = 3.0
 _WITH_VICTIM_S = 20.0
@@ -39,6 +41,12 @@ class Responder:
         self._api = f"{url}/api/v1"
         self._mission_id = mission_id
         self._mission = f"/missions/{quote(mission_id)}"
+        config = simulation.config
+        self._device = (
+            Device(simulation.world, simulation.tags, config.radio, config.seed)
+            if config.tags == "node" and config.radio is not None
+            else None
+        )
         self._speed = speed if speed > 0.0 else 1.0
         base = simulation.starts[0]
         self._place = base.x, base.y
@@ -77,6 +85,7 @@ class Responder:
             lambda tag: self._advice(tag, victim),
             self._place,
             seed,
+            listen=None if self._device is None else self._listen,
         )
         due = time.monotonic()
         while not self._stop.is_set() and walker.advance():
@@ -103,7 +112,25 @@ class Responder:
         if route is None:
             return None
         step = route["legs"][0] if route["legs"] else route["last"]
-        return None if step is None else Advice(step["bearing_deg"], step["text"], step.get("to_tag"))
+        if step is None:
+            return None
+        goal = step["points_m"][-1] if route["legs"] else (route["x_m"], route["y_m"])
+        return Advice(step["bearing_deg"], step["text"], step.get("to_tag"), self._away(tag, goal))
+
+    def _away(self, tag: str, place: Sequence[float]) -> tuple[float, float] | None:
+        """Return where a place of the plan lies from a tag."""
+        at = self._ask("GET", f"/where/{quote(tag)}?{urlencode({'mission': self._mission_id})}")
+        return None if at is None else (place[0] - at["x_m"], place[1] - at["y_m"])
+
+    def _listen(self, tag: str, x_m: float, y_m: float, steps: int) -> Fix | None:
+        """Return where the server says that somebody is who hears what is to be heard there."""
+        readings = [] if self._device is None else self._device.heard_at(x_m, y_m)
+        heard = [{"node_id": node_id, "rssi_dbm": rssi_dbm} for node_id, rssi_dbm in readings]
+        said = {"heard": heard, "last_tag": tag, "steps": steps}
+        found = self._ask("POST", f"{self._mission}/where", said) if heard else None
+        places = (found or {}).get("places", [])
+        away = self._away(tag, (places[0]["x_m"], places[0]["y_m"])) if len(places) == 1 else None
+        return None if away is None else Fix(away, places[0]["right_to_m"])
 
     def _ask(self, method: str, path: str, body: dict[str, Any] | None = None) -> dict[str, Any] | None:
         """Return the answer; None where there is none, or it is a refusal: a person looks again later."""

@@ -24,10 +24,12 @@ TICK_S = 0.2
 ARM_M = 0.8  # a tag so near is read
 NOTICES_M = 2.0  # a victim so near and in sight is heard or felt for
 THERE_M = 0.6
+_STRIDE_M = 0.7
 _SPEED_MPS = 0.7  # in smoke, with a hand at the wall
 _SHOULDER_M = 0.22
 _SIGHT_M = 3.0
 _SEARCH_M = 5.0  # from where a tag should be
+_TRUSTED_M = 6.0  # what a phone knows no better is looked for without it
 _HEADINGS = np.linspace(-pi, pi, 48, endpoint=False)
 _STUCK_TICKS = 25
 _TOUCH_AGAIN_TICKS = 50  # who passes between two tags does not touch them in turns
@@ -35,14 +37,27 @@ _TOUCH_AGAIN_TICKS = 50  # who passes between two tags does not touch them in tu
 
 @dataclass(frozen=True, slots=True)
 class Advice:
-    """What the phone shows at a tag: an arrow, a sentence, and the next tag (None: the way ends there)."""
+    """What the phone shows at a tag: an arrow, a sentence, and the next tag (None: the way ends there).
+
+    ``away_m``: where the next stop lies on its plan, north and west of the tag.
+    """
 
     bearing_deg: float
     text: str
     to_tag: str | None
+    away_m: tuple[float, float] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Fix:
+    """Where the phone says it is by the nodes it hears, north and west of the tag read last, and how well."""
+
+    away_m: tuple[float, float]
+    right_to_m: float
 
 
 Phone = Callable[[str], Advice | None]  # asked at a tag; None: it leads nowhere
+Listen = Callable[[str, float, float, int], Fix | None]  # at a place, so many steps from a tag
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,8 +87,10 @@ class Walker:
         start_m: tuple[float, float],
         seed: int,
         gait: Gait | None = None,
+        listen: Listen | None = None,
     ) -> None:
         self._world, self._tags, self._victims, self._phone = world, tags, victims, phone
+        self._listen, self._since_m = listen, 0.0
         self._gait = gait or Gait()
         self._rng = np.random.default_rng([seed, 90])
         self.x_m, self.y_m = start_m
@@ -108,6 +125,8 @@ class Walker:
             if self.arrived:
                 return
             if self.last_tag == tag:
+                yield from self._look_at_plan(advice)
+            if self.last_tag == tag and not self.arrived:
                 yield from self._search()
             if self.last_tag == tag and not self.arrived:
                 return  # lost: they stay and call
@@ -124,6 +143,16 @@ class Walker:
             yield from self._go(bearing, piece.metres)
             if self.arrived or self.last_tag != tag:
                 return
+
+    def _look_at_plan(self, advice: Advice) -> Iterator[bool]:
+        """Not where the next stop should be: go on from where the phone says that they are, if it knows."""
+        fix, away = None, advice.away_m
+        if self._listen is not None and away is not None and self.last_tag is not None:
+            fix = self._listen(self.last_tag, self.x_m, self.y_m, round(self._since_m / _STRIDE_M))
+        if fix is None or away is None or fix.right_to_m > _TRUSTED_M:
+            return
+        self._reckoned = fix.away_m
+        yield from self._go_to(away)
 
     def _opening(self, bearing: float, piece: Piece) -> float:
         """Return the most open direction on the side of a turn: words do not say by how much."""
@@ -177,6 +206,7 @@ class Walker:
         self.x_m += truly * cos(along)
         self.y_m += truly * sin(along)
         self.walked_m += truly
+        self._since_m += truly
         north, west = self._reckoned
         self._reckoned = (north + stride * cos(heading), west + stride * sin(heading))
 
@@ -237,7 +267,7 @@ class Walker:
         c, s = cos(-self._off_rad), sin(-self._off_rad)
         dx, dy = self.x_m - x, self.y_m - y
         self._reckoned = (c * dx - s * dy, s * dx + c * dy)
-        self.last_tag = tag_id
+        self.last_tag, self._since_m = tag_id, 0.0
         self._touched[tag_id] = self._ticks
         self.read.append(tag_id)
 

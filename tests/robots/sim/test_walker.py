@@ -5,9 +5,14 @@ from math import hypot
 import numpy as np
 import pytest
 
+from robots.estimation.radio.hearing import Ears, NodePlace
+from robots.estimation.radio.locating import Plan, Since, locate
+from robots.estimation.radio.model import NODE
+from robots.routes.fix_words import right_to_m
+from robots.sim.hearing import Device
 from robots.sim.starts import Victim
 from robots.sim.tags import TagField
-from robots.sim.walker import Advice, Gait, Walker
+from robots.sim.walker import Advice, Fix, Gait, Walker
 from robots.sim.walker_words import Piece, pieces_of
 from robots.sim.world import world_of
 
@@ -109,3 +114,30 @@ def test_the_same_seed_walks_the_same_way():
         )
         ends.append((walker.x_m, walker.y_m))
     assert ends[0] == ends[1] != ends[2]
+
+
+def test_who_is_not_where_the_next_tag_should_be_goes_on_by_the_nodes_that_are_heard():
+    """The way was said to be half as long as it is; the signals are the channel's, the places the robots'."""
+    nodes = {"N0": (2, 2), "N1": (28, 3), "N2": (27, 18), "N3": (3, 17), "N4": (15, 19), "N5": (16, 1)}
+    plan = Plan(np.ones((20, 30), np.uint8), (0.0, 0.0), 1.0)
+    tags = tags_at(A=(5.0, 10.0), B=(21.0, 10.0), **nodes)
+    said = {"A": Advice(0.0, "Go 8 m north to tag B.", "B", (16.0, 0.0))}
+    ears, device = Ears(), Device(hall(), tags, NODE, 4)
+    asked = []
+
+    def listen(tag, x_m, y_m, steps):
+        heard = {}
+        for node_id, rssi_dbm in device.heard_at(x_m, y_m):
+            heard.setdefault(node_id, []).append(rssi_dbm)
+        known = [NodePlace(name, *map(float, nodes[name]), 0.2) for name in heard if name in nodes]
+        ranges = [ears.by_signal(node, heard[node.node_id]) for node in known]
+        found = locate([r for r in ranges if r], ears.shared, Since(5.0, 10.0, 0.5, 0.91 * steps), plan)
+        place = found.places[0]
+        asked.append(hypot(place.x_m - x_m, place.y_m - y_m))
+        return Fix((place.x_m - 5.0, place.y_m - 10.0), right_to_m(place))
+
+    deaf = Walker(hall(), tags, (), said.get, (5.0, 10.0), 1, EXACT)
+    assert "B" not in walked(deaf).read
+    hearing = Walker(hall(), tags, (), said.get, (5.0, 10.0), 1, EXACT, listen)
+    assert walked(hearing).read[:2] == ["A", "B"]
+    assert asked[0] < 4.0
