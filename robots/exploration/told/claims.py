@@ -49,13 +49,15 @@ class Claims:
         self.own: int | None = None  # the key by which tags know this robot: its own goals are no news
         self.reach_m = 0.0  # the farthest off that a tag was read
         self._memories: dict[str, TagMemory] = {}
+        self._heard: dict[str, TagMemory] = {}  # as read last: the same again says nothing new
         self._read_s: dict[str, float] = {}
         self._sds_m: dict[str, float] = {}  # of the places where tags are believed
 
     def hear(self, tag_id: str, memory: TagMemory, now_s: float = 0.0, sd_m: float = 0.0) -> None:
         """Take in what a tag of the mission says; ``sd_m`` of the place where it is believed."""
-        known = self._memories.get(tag_id, TagMemory.empty())
-        self._memories[tag_id] = known.merge(memory.uncut())
+        if self._heard.get(tag_id) is not memory:
+            self._heard[tag_id] = memory
+            self._memories[tag_id] = self._memories.get(tag_id, TagMemory.empty()).merge(memory.uncut())
         self._read_s[tag_id], self._sds_m[tag_id] = now_s, sd_m
 
     def tags(self, place_of: PlaceOf) -> tuple[KnownTag, ...]:
