@@ -21,6 +21,7 @@ from robots.planning.plan_grid import UNKNOWN, PlanGrid
 from robots.se2 import Array
 from robots.tags.memory import CELL_M, CLOSED, TagMemory
 
+FROM_AFAR_M = 1.5  # a tag read from so far was read before the robot drove where its writer did
 _SURE_SD = 2.0  # deviations of a tag's place that what it says has to hold for, to be believed
 _PER_CELL = round(CELL_M / LATTICE_M)
 PlaceOf = Callable[[str], tuple[float, float] | None]  # of a tag in the map frame, None where unknown
@@ -85,7 +86,7 @@ class Claims:
                 if p.key != self.own and p.goal_m is not None
             ]
         doubtful = (whole == CLOSED) & (claimed != CLOSED)
-        shade = shaded(whole, unknown)
+        shade = shaded(whole, unknown, self.reach_m >= FROM_AFAR_M)
         return Survey(unknown, claimed, grid.origin, np.array(promised).reshape(-1, 2), doubtful, shade)
 
 
