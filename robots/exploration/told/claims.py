@@ -24,6 +24,7 @@ from robots.tags.memory import CELL_M, CLOSED, TagMemory
 FROM_AFAR_M = 1.5  # a tag read from so far was read before the robot drove where its writer did
 _SURE_SD = 2.0  # deviations of a tag's place that what it says has to hold for, to be believed
 _PER_CELL = round(CELL_M / LATTICE_M)
+_SAME_VICTIM_M = 1.0  # a first heat reading is off by so much
 PlaceOf = Callable[[str], tuple[float, float] | None]  # of a tag in the map frame, None where unknown
 
 
@@ -35,6 +36,15 @@ class KnownTag:
     place_m: tuple[float, float]
     memory: TagMemory
     read_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class ToldVictim:
+    """A victim that a robot is sure of, in the map frame; what is warm ``within_m`` of it is that victim."""
+
+    x: float
+    y: float
+    within_m: float
 
 
 def driven(tags: Sequence[KnownTag]) -> Array:
@@ -68,6 +78,15 @@ class Claims:
             KnownTag(tag_id, place, self._memories[tag_id], self._read_s[tag_id])
             for tag_id, place in places
             if place is not None
+        )
+
+    def victims(self, place_of: PlaceOf) -> tuple[ToldVictim, ...]:
+        """Return the victims that tags tell of, as the tags lie now."""
+        return tuple(
+            ToldVictim(tag.place_m[0] + 0.1 * mark.north_dm, tag.place_m[1] + 0.1 * mark.west_dm, within_m)
+            for tag in self.tags(place_of)
+            for within_m in (_SAME_VICTIM_M + _SURE_SD * self._sds_m[tag.tag_id],)
+            for mark in tag.memory.victims
         )
 
     def survey(self, grid: PlanGrid, place_of: PlaceOf) -> Survey:
