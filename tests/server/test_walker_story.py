@@ -36,7 +36,7 @@ class PocketPhone:
         self.places = {tag["tag_id"]: np.array([tag["x_m"], tag["y_m"]]) for tag in tags}
         ways = [
             Way(tags[a]["tag_id"], tags[b]["tag_id"], np.array(points).reshape(-1, 2) / 100.0)
-            for a, b, _, points in pocket["ways"]
+            for a, b, _, points, *_ in pocket["ways"]
         ]
         self.roads = RouteMap(ways, {tag["tag_id"]: tag["sd_m"] for tag in tags})
         self.ends = {tag: cm / 100.0 for tag, cm in self.victim["ends"]}
