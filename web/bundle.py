@@ -64,15 +64,15 @@ def bundle(folder: str, sources: Sources) -> Bundle:
     style = b"".join(sources.read(address.decode()) for address in _STYLE.findall(page))
     names = {"style": f"{folder}.css", "first": f"{folder}.js", "later": f"{folder}.later.js"}
     entries = [address.decode() for address in _SCRIPT.findall(page)]
-    scripts = combine(
-        entries, lambda address: sources.read(address).decode(), f"./{names['first']}", f"./{names['later']}"
-    )
+    scripts = combine(entries, lambda address: sources.read(address).decode(), f"./{names['later']}")
     first, later = scripts.first.encode(), scripts.later.encode()
     version = hashlib.sha256(b"\0".join((style, first, later))).hexdigest()[:16]
     at = {part: f"/app/{version}/{name}" for part, name in names.items()}
     page = _in_one(_STYLE, page, f'  <link rel="stylesheet" href="{at["style"]}">\n')
     # nothing is painted before the script has run: the first paint is then its first answer
-    page = _in_one(_SCRIPT, page, f'  <script type="module" blocking="render" src="{at["first"]}"></script>\n')
+    page = _in_one(
+        _SCRIPT, page, f'  <script type="module" blocking="render" src="{at["first"]}"></script>\n'
+    )
     return Bundle(page, {at["style"]: style, at["first"]: first}, {at["later"]: later} if later else {})
 
 

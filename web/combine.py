@@ -1,7 +1,8 @@
 """Many ES modules as two scripts: what a page needs first, and what it asks for by ``import()`` later.
 
-Each module becomes a function with a scope of its own, called at once, in the order in which browsers run modules. What it exports
-becomes one object, kept in ``modules`` under the module's address: nothing is renamed, and each module is there once.
+Each module becomes a function with a scope of its own, called at once, in the order in which browsers run
+modules. What it exports becomes one object, kept in ``modules`` under the module's address: nothing is
+renamed, and each module is there once.
 """
 
 from __future__ import annotations
@@ -23,6 +24,14 @@ _DEFAULT = re.compile(_BEGINS + r"export default (?!(?:async )?(?:function\*?|cl
 _EXPORTED = re.compile(r"^export (?=(?:const|class|(?:async )?function\*?)\s+([\w$]+))", re.MULTILINE)
 _AWAITS = re.compile(r"^\S.*\bawait\b|^await\b", re.MULTILINE)  # on a line that is not within a function
 _LEFT = re.compile(r"^(?:import\b(?!\()|export\b).*", re.MULTILINE)
+# the later script does not import the first, which may be waiting for it
+_BEGIN_LATER = """export const modules = {};
+let asked$;
+const later$ = () => (asked$ ??= import("LATER").then(({ run }) => run(modules, later$)).catch((error) => {
+  asked$ = undefined;
+  throw error;
+}));
+"""
 
 
 class CombineError(ValueError):
@@ -31,7 +40,7 @@ class CombineError(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class Combined:
-    """The two scripts (``later`` is empty where nothing is imported later), and whose modules they are, as run."""
+    """The two scripts (``later`` is empty where nothing is imported later), and their modules as they run."""
 
     first: str
     later: str
@@ -47,15 +56,15 @@ class _Module:
     body: str
 
 
-def combine(entries: Iterable[str], read: Callable[[str], str], first: str, later: str) -> Combined:
-    """Return all that ``entries`` import as two scripts, which know each other by the addresses ``first`` and ``later``.
+def combine(entries: Iterable[str], read: Callable[[str], str], later: str) -> Combined:
+    """Return all that ``entries`` import as two scripts; the first finds the other at the address ``later``.
 
-    ``read`` returns a module's text by its address, or raises OSError. What is imported later runs, all of it, when
-    the first of it is asked for.
+    ``read`` returns a module's text by its address, or raises OSError. What is imported later runs, all of it
+    together, when the first of it is asked for.
 
     Raises:
-        CombineError: a module is not there, imports in a circle or what another does not export, exports what may
-            change, or imports or exports in a form that is not known here.
+        CombineError: a module is not there, imports in a circle or what another does not export, exports what
+            may change, or imports or exports in a form that is not known here.
     """
     known: dict[str, _Module] = {}
     first_modules = _in_order(entries, read, known)
@@ -64,14 +73,12 @@ def combine(entries: Iterable[str], read: Callable[[str], str], first: str, late
         _in_order(sorted(asked), read, known)
         asked = _asked_for(known)
     later_modules = tuple(address for address in known if address not in first_modules)
-    how = {address: f'import("{later}").then(() => modules["{address}"])' for address in later_modules}
-    blocks = {address: _block(address, known, how) for address in known}
-    return Combined(
-        "export const modules = {};\n" + "".join(map(blocks.get, first_modules)),
-        f'import {{ modules }} from "{first}";\n' + "".join(map(blocks.get, later_modules)) if later_modules else "",
-        first_modules,
-        later_modules,
-    )
+    blocks = {address: _block(address, known, frozenset(later_modules)) for address in known}
+    begin = _BEGIN_LATER.replace("LATER", later) if later_modules else "export const modules = {};\n"
+    first = "".join(map(blocks.__getitem__, first_modules))
+    rest = "".join(map(blocks.__getitem__, later_modules))
+    run = f"export async function run(modules, later$) {{\n{rest}}}\n" if rest else ""
+    return Combined(begin + first, run, first_modules, later_modules)
 
 
 def resolved(of: str, to: str) -> str:
@@ -91,8 +98,10 @@ def _asked_for(known: Mapping[str, _Module]) -> set[str]:
     return set(chain.from_iterable(module.later for module in known.values()))
 
 
-def _in_order(entries: Iterable[str], read: Callable[[str], str], known: dict[str, _Module]) -> tuple[str, ...]:
-    """Read modules and what they import into ``known``, each behind what it imports; return all addresses there."""
+def _in_order(
+    entries: Iterable[str], read: Callable[[str], str], known: dict[str, _Module]
+) -> tuple[str, ...]:
+    """Read modules into ``known``, each behind those that it imports; return all addresses in it."""
 
     def visit(address: str, above: tuple[str, ...]) -> None:
         if address in known:
@@ -103,7 +112,7 @@ def _in_order(entries: Iterable[str], read: Callable[[str], str], known: dict[st
         try:
             text = read(address)
         except OSError:
-            asker = f"{above[-1]} imports" if above else "A page names"
+            asker = f"{above[-1]} imports" if above else "A page or an import() names"
             raise CombineError(f"{asker} {address}, which is not there.") from None
         module = _parsed(address, text)
         for _, needed in module.imports:
@@ -126,7 +135,10 @@ def _parsed(address: str, text: str) -> _Module:
     body = _IMPORT.sub(_lines, text)
     body = _DEFAULT.sub("const default$ = ", _EXPORTS.sub(_lines, _EXPORTED.sub("", body)))
     if left := _LEFT.search(body):
-        raise CombineError(f"{address} has `{left.group()[:80]}`, which cannot be combined: import and export by names that never change.")
+        raise CombineError(
+            f"{address} has `{left.group()[:80]}`, which cannot be combined: "
+            "import and export by names that never change."
+        )
     later = tuple(resolved(address, to) for to in _LATER.findall(body))
     return _Module(imports, later, exports, body)
 
@@ -141,13 +153,13 @@ def _pairs(names: str) -> list[tuple[str, str]]:
     return [(word[0], word[-1]) for word in words]
 
 
-def _block(address: str, known: Mapping[str, _Module], later: Mapping[str, str]) -> str:
+def _block(address: str, known: Mapping[str, _Module], later: frozenset[str]) -> str:
     module = known[address]
     bound = "".join(_bound(address, clause, of, known[of].exports) for clause, of in module.imports)
 
     def at_once_or_later(found: re.Match[str]) -> str:
         to = resolved(address, found[1])
-        return later.get(to, f'Promise.resolve(modules["{to}"])')
+        return f'{"later$()" if to in later else "Promise.resolve()"}.then(() => modules["{to}"])'
 
     body = _LATER.sub(at_once_or_later, module.body)
     exports = ", ".join(f"{json.dumps(outer)}: {inner}" for outer, inner in module.exports.items())

@@ -1,4 +1,4 @@
-"""What the server makes of the pages' sources: made once, kept compressed, made anew when a source has changed."""
+"""What the server makes of the pages' sources: once, kept compressed, and anew when a source has changed."""
 
 from __future__ import annotations
 
@@ -33,7 +33,9 @@ class Ready:
         if request.headers.get("if-none-match") == self.etag:
             return Response(status_code=304, headers=headers)
         if "gzip" in request.headers.get("accept-encoding", ""):
-            return Response(self.packed, headers={**headers, "Content-Encoding": "gzip"}, media_type=self.kind)
+            return Response(
+                self.packed, headers={**headers, "Content-Encoding": "gzip"}, media_type=self.kind
+            )
         return Response(self.body, headers=headers, media_type=self.kind)
 
 
@@ -61,7 +63,11 @@ class Made:
 
     def _make(self) -> dict[str, Ready]:
         kept = shell(self._sources)
-        ready = {address: self._made(address, data) for address, data in kept.files.items() if address.startswith("/app/")}
+        ready = {
+            address: self._made(address, data)
+            for address, data in kept.files.items()
+            if address.startswith("/app/")
+        }
         ready["/phone"] = self._ready_as(kept.page, "text/html", self._headers)
         ready["/sw.js"] = self._ready_as(worker(self._sources, kept), "text/javascript", self._headers)
         return ready
