@@ -91,6 +91,18 @@ base_maps = Table(
     _of_mission(),
 )
 
+# those that were replaced or taken away: the last few, so that a change can be taken back
+past_base_maps = Table(
+    "past_base_maps",
+    metadata,
+    Column("mission_id", ID, primary_key=True),
+    Column("changed_unix_s", Float, primary_key=True),
+    Column("source", Text, nullable=False),
+    Column("grid", LargeBinary, nullable=False),
+    Column("by", String(200), nullable=False),
+    _of_mission(),
+)
+
 sectors = Table(
     "sectors",
     metadata,

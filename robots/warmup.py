@@ -14,6 +14,7 @@ from robots.config import AgentConfig, MappingConfig
 from robots.estimation.contradiction import share_seen_through
 from robots.estimation.ekf.filter import EkfFilter
 from robots.estimation.graph.solve import solve
+from robots.estimation.radio.locating import Heard, Plan, Radio, locate
 from robots.estimation.rslam.range_slam import RangeSlam
 from robots.estimation.scans.cloud_matching import Cloud, Window, match_clouds
 from robots.estimation.scans.points import scan_points
@@ -104,6 +105,8 @@ def _warm_up_ranges() -> None:
         slam.anchor()
     slam.see_heading(slam.belief.mean.theta, 0.1)
     slam.tags()
+    heard = [Heard("warm", 0.0, 0.0, 0.1, 2.0, 0.4), Heard("warm-too", 1.0, 0.0, 0.1, 2.0, 0.0, 0.1)]
+    locate(heard, Radio(0.4, 0.2, 35.0), None, Plan(np.ones((8, 8), np.uint8), (0.0, 0.0), 0.5))
 
 
 def _warm_up_radio_tags() -> None:

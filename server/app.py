@@ -21,6 +21,7 @@ from server.api import (
     ground,
     health,
     history,
+    locating,
     logs,
     maps,
     mission_report,
@@ -39,6 +40,7 @@ from server.api import (
     stream,
     tags,
     victims,
+    view,
 )
 from server.api import annotations as annotations_api
 from server.api import audit as audit_api
@@ -110,6 +112,7 @@ def create_app(settings: Settings) -> FastAPI:
         robots,
         orders,
         routes,
+        locating,
         pocket,
         reports,
         observations,
@@ -126,6 +129,7 @@ def create_app(settings: Settings) -> FastAPI:
         maps,
         best_map,
         stream,
+        view,
         past_view,
     ):
         api.include_router(module.router)

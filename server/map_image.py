@@ -34,11 +34,16 @@ class MapImage:
 
 def draw(grid: TeamGrid) -> MapImage:
     """Return the picture of a grid; pixel values 0 unknown (transparent), 1 free, 2 occupied."""
+    return draw_classes(classes_of(grid), grid.version, grid.origin_m, grid.resolution_m)
+
+
+def classes_of(grid: TeamGrid) -> NDArray[np.uint8]:
+    """Return the cells (h, w) as 0 unknown, 1 free, 2 occupied; row 0 at the lowest y."""
     cells = np.asarray(grid.cells)
     classes = np.full(cells.shape, UNKNOWN, np.uint8)
     classes[(cells >= 0) & (cells < _FREE_BELOW)] = FREE
     classes[cells >= _OCCUPIED_FROM] = OCCUPIED
-    return draw_classes(classes, grid.version, grid.origin_m, grid.resolution_m)
+    return classes
 
 
 def draw_classes(

@@ -18,6 +18,7 @@ from db.records import RobotRecord, SnapshotRecord
 from db.store import Store
 from robots import codec
 from robots.config import AgentConfig
+from robots.estimation.radio.hearing import Ears
 from robots.graph_report import GraphReport
 from robots.orders import Methods
 from robots.se2 import Array, GaussianPose, Pose2
@@ -101,14 +102,16 @@ class Robot:
     snapshot_task: asyncio.Task[None] | None = None
     slam: str = field(init=False)
     communication: str = field(init=False)
+    ears: Ears = field(init=False)
 
     def __post_init__(self) -> None:
         """Look up what its agent was told; a damaged record must not hold up the others."""
         try:
             config = codec.decode(self.record.config, AgentConfig)
             self.slam, self.communication = config.slam, config.planning.communication
+            self.ears = Ears(config.radio, config.ranging)
         except codec.CodecError:
-            self.slam, self.communication = "unknown", "unknown"
+            self.slam, self.communication, self.ears = "unknown", "unknown", Ears()
 
     @property
     def robot_id(self) -> str:

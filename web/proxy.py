@@ -3,7 +3,8 @@
 viser itself has no login, no Origin check and lets every socket press every button, so nothing reaches it but
 through here: same origin only, known message types only, a limited number of viewers, and a viewer that stops
 reading is dropped. A mission has the page ``/viser/MISSION/`` and, as viser's page derives its socket's
-address from its own, the socket ``/viser/MISSION``.
+address from its own, the socket ``/viser/MISSION``. A console's page puts its seat (``web/viser/seats.py``)
+in the mission's place, and only from there do clicks pass.
 """
 
 from __future__ import annotations
@@ -11,7 +12,8 @@ from __future__ import annotations
 import asyncio
 from collections import Counter
 from collections.abc import Callable, Mapping
-from typing import Protocol
+from math import isfinite
+from typing import Any, Protocol
 from urllib.parse import urlsplit
 
 import msgspec
@@ -23,9 +25,12 @@ from starlette.websockets import WebSocketDisconnect
 from websockets.asyncio.client import ClientConnection
 
 from web.viser.page import CLIENT_PAGE
+from web.viser.seats import SEAT_HEADER, is_seat, mission_of
 
 ALLOWED_MESSAGE_TYPES = frozenset({"ViewerCameraMessage", "GuiUpdateMessage"})
 """What a browser may send on: where its camera is, and the buttons that move its own camera."""
+CLICK = "ScenePointerMessage"
+"""What the page of a seat may send besides: a click, which selects in that page and nowhere else."""
 MAX_VIEWERS_PER_MISSION = 32
 SEND_TIMEOUT_S = 10.0
 MAX_CLIENT_MESSAGE_BYTES = 64 * 1024
@@ -53,10 +58,13 @@ VISER_HEADERS: Mapping[str, str] = {
 
 
 class ScenePorts(Protocol):
-    """Knows on which loopback port the 3D scene of a mission is served."""
+    """Knows on which loopback port the 3D scene of a mission is served, and who sits before it."""
 
-    def port(self, mission_id: str, theme: str = "dark") -> int | None:
-        """Return the port, or None when the mission has no scene in that theme."""
+    def port(self, key: str, theme: str = "dark") -> int | None:
+        """Return the port behind a mission's id or a seat's key, or None when there is no scene."""
+
+    def may_sit(self, key: str, over: asyncio.Event) -> bool:
+        """Say whether a session, known by what is set when it ends, may open the view by this key."""
 
 
 Gate = Callable[[HTTPConnection, str], asyncio.Event | None]
@@ -67,23 +75,26 @@ def mount_proxy(app: FastAPI, scenes: ScenePorts, gate: Gate) -> None:
     """Add the page and the socket of every mission's 3D scene under /viser."""
     viewers: Counter[str] = Counter()
 
-    async def page(request: Request, mission_id: str, theme: str = "dark") -> Response:
-        if gate(request, _mission_of(mission_id)) is None:
+    async def page(request: Request, key: str, theme: str = "dark") -> Response:
+        over = gate(request, mission_of(key))
+        if over is None:
             return PlainTextResponse("Log in first, then open the console again.\n", status_code=401)
-        if scenes.port(mission_id, theme) is None:
+        if not scenes.may_sit(key, over) or scenes.port(key, theme) is None:
             return PlainTextResponse(
                 "This mission has no 3D scene. Open the console and choose a running mission.\n",
                 status_code=404,
             )
         return FileResponse(CLIENT_PAGE, headers=dict(VISER_HEADERS))
 
-    async def page_without_slash(request: Request, mission_id: str, theme: str = "dark") -> Response:
+    async def page_without_slash(request: Request, key: str, theme: str = "dark") -> Response:
         return RedirectResponse(request.url.replace(path=request.url.path + "/"), status_code=307)
 
-    async def socket(websocket: WebSocket, mission_id: str, theme: str = "dark") -> None:
-        port = scenes.port(mission_id, theme)
-        over = gate(websocket, _mission_of(mission_id))
-        if port is None or over is None or not same_origin(websocket.headers):
+    async def socket(websocket: WebSocket, key: str, theme: str = "dark") -> None:
+        mission_id = mission_of(key)
+        over = gate(websocket, mission_id)
+        is_welcome = over is not None and same_origin(websocket.headers) and scenes.may_sit(key, over)
+        port = scenes.port(key, theme) if is_welcome else None
+        if port is None or over is None:
             await websocket.close(1008)  # before accept: the browser sees 403
             return
         if viewers[mission_id] >= MAX_VIEWERS_PER_MISSION:
@@ -91,19 +102,14 @@ def mount_proxy(app: FastAPI, scenes: ScenePorts, gate: Gate) -> None:
             return
         viewers[mission_id] += 1
         try:
-            await _pass_on(websocket, port, over)
+            await _pass_on(websocket, port, over, key if is_seat(key) else None)
         finally:
             viewers[mission_id] -= 1
 
-    for address in ("/viser/{mission_id}", "/viser/{mission_id}/{theme}"):
+    for address in ("/viser/{key}", "/viser/{key}/{theme}"):
         app.add_api_route(f"{address}/", page, methods=["GET", "HEAD"], include_in_schema=False)
         app.add_api_route(address, page_without_slash, methods=["GET", "HEAD"], include_in_schema=False)
         app.add_api_websocket_route(address, socket)
-
-
-def _mission_of(key: str) -> str:
-    """Return whose scene it is: one of a mission's past has a name of its own after an @."""
-    return key.partition("@")[0]
 
 
 def same_origin(headers: Mapping[str, str]) -> bool:
@@ -112,7 +118,7 @@ def same_origin(headers: Mapping[str, str]) -> bool:
     return origin is None or urlsplit(origin).netloc == headers.get("host")
 
 
-async def _pass_on(websocket: WebSocket, port: int, over: asyncio.Event) -> None:
+async def _pass_on(websocket: WebSocket, port: int, over: asyncio.Event, seat: str | None) -> None:
     """Join the browser's socket with viser's until either side ends, or whoever looks has been logged out."""
     try:
         upstream = await websockets.connect(
@@ -121,6 +127,7 @@ async def _pass_on(websocket: WebSocket, port: int, over: asyncio.Event) -> None
             compression=None,
             max_size=None,
             ping_interval=None,
+            additional_headers={} if seat is None else {SEAT_HEADER: seat},
         )
     except (OSError, websockets.WebSocketException):
         await websocket.close(1013)
@@ -129,7 +136,7 @@ async def _pass_on(websocket: WebSocket, port: int, over: asyncio.Event) -> None
         await websocket.accept(subprotocol=upstream.subprotocol)
         pumps = {
             asyncio.create_task(_to_browser(upstream, websocket)),
-            asyncio.create_task(_to_viser(websocket, upstream)),
+            asyncio.create_task(_to_viser(websocket, upstream, seat is not None)),
             asyncio.create_task(_set(over)),
         }
         try:
@@ -156,23 +163,38 @@ async def _to_browser(upstream: ClientConnection, websocket: WebSocket) -> None:
         return  # the viewer is gone, or reads nothing any more
 
 
-async def _to_viser(websocket: WebSocket, upstream: ClientConnection) -> None:
+async def _to_viser(websocket: WebSocket, upstream: ClientConnection, may_click: bool) -> None:
     try:
         while True:
             data = await websocket.receive_bytes()
-            if message_type(data) in ALLOWED_MESSAGE_TYPES:
+            message = message_of(data)
+            kind = message.get("type")
+            if kind in ALLOWED_MESSAGE_TYPES or (kind == CLICK and may_click and is_click(message)):
                 await upstream.send(data)
     except (websockets.ConnectionClosed, WebSocketDisconnect, KeyError, RuntimeError):
         return
 
 
-def message_type(data: bytes) -> str | None:
-    """Return the type of a message from viser's page; None when it is too long or not one of its messages."""
+def message_of(data: bytes) -> dict[str, Any]:
+    """Return a message from viser's page; empty when it is too long or none of its messages."""
     if len(data) > MAX_CLIENT_MESSAGE_BYTES:
-        return None
+        return {}
     try:
         message = msgspec.msgpack.decode(data)
     except msgspec.DecodeError:
-        return None
-    kind = message.get("type") if isinstance(message, dict) else None
-    return kind if isinstance(kind, str) else None
+        return {}
+    return message if isinstance(message, dict) and isinstance(message.get("type"), str) else {}
+
+
+def is_click(message: Mapping[str, Any]) -> bool:
+    """Say whether a message about the pointer is a click, with a ray of finite numbers."""
+    rays = (message.get("ray_origin"), message.get("ray_direction"))
+    place = message.get("screen_pos")
+    if message.get("event_type") != "click" or not (isinstance(place, list) and place):
+        return False
+    return all(
+        isinstance(ray, list)
+        and len(ray) == 3
+        and all(isinstance(v, int | float) and isfinite(v) for v in ray)
+        for ray in rays
+    )

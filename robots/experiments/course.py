@@ -6,6 +6,7 @@ planner have it. What a noisy robot would have measured on the same way is drawn
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import hypot
 
@@ -15,7 +16,7 @@ from numpy.typing import NDArray
 from robots.agent import RobotAgent
 from robots.config import AgentConfig, DeploymentConfig, PlanningConfig
 from robots.graph_report import IntArray
-from robots.se2 import Array
+from robots.se2 import Array, Pose2
 from robots.sim.scenario import ScenarioConfig
 from robots.sim.simulation import Order, Simulation
 from robots.types import Displacement, LaserScan, Observation, WheelEncoders
@@ -125,20 +126,23 @@ def _search(simulation: Simulation, number: int, limit_s: float, log: list[Obser
         log.extend(observations)
         here = simulation.truth(ROBOT)
         moved, before = before.between(here), here
-        update = agent.step(
-            replace(
-                observations[-1],
-                seq=period,
-                odometry=Displacement(moved.x, moved.y, moved.theta),
-                tag_sightings=tuple(s for each in observations for s in each.tag_sightings),
-                bumper=any(each.bumper for each in observations),
-            )
-        )
+        update = agent.step(as_moved(observations, period, moved))
         period += 1
         simulation.apply({ROBOT: Order(update.command)})
         if update.activity == "done":
             return True
     return False
+
+
+def as_moved(observations: Sequence[Observation], seq: int, moved: Pose2) -> Observation:
+    """Return observations as one, with how the robot truly moved in place of what its wheels say."""
+    return replace(
+        observations[-1],
+        seq=seq,
+        odometry=Displacement(moved.x, moved.y, moved.theta),
+        tag_sightings=tuple(s for each in observations for s in each.tag_sightings),
+        bumper=any(each.bumper for each in observations),
+    )
 
 
 def _wheels(observation: Observation) -> tuple[float, float]:

@@ -20,6 +20,7 @@ from robots.config import AgentConfig, DeploymentConfig, PlanningConfig
 from robots.estimation.radio.model import radio_for
 from robots.estimation.slam import begin_slam
 from robots.estimation.slip.detector import SlipDetector
+from robots.experiments.course import as_moved
 from robots.experiments.experiment import Column, Experiment, ExperimentError, Options, Row
 from robots.experiments.parallel import in_parallel
 from robots.experiments.ziparo_table2_plot import draw
@@ -30,7 +31,7 @@ from robots.sim.receivers import Receiver
 from robots.sim.scenario import ODOMETRY_HZ, ScenarioConfig, ScenarioError
 from robots.sim.simulation import Order, Simulation
 from robots.sim.world import WorldError
-from robots.types import Command, Displacement, Observation, TagSighting
+from robots.types import Command, Observation, TagSighting
 
 BUILDINGS = {"B1": "grocery", "B2": "retail", "B3": "office1", "B4": "office2"}
 MEASURES = ("cross_track_m", "along_track_m", "cartesian_m")
@@ -151,15 +152,7 @@ def explore(setting: Setting) -> Way:
             log.append(replace(observation, scan=None, beams=(), heat=(), tag_sightings=()))
         here = simulation.truth(_ROBOT)
         moved, before = before.between(here), here
-        update = agent.step(
-            replace(
-                observations[-1],
-                seq=period,
-                odometry=Displacement(moved.x, moved.y, moved.theta),
-                tag_sightings=tuple(s for each in observations for s in each.tag_sightings),
-                bumper=any(each.bumper for each in observations),
-            )
-        )
+        update = agent.step(as_moved(observations, period, moved))
         away_m = np.hypot(*(simulation.tags.places_m - (here.x, here.y)).T)
         drop = bool(away_m.min(initial=np.inf) >= _SPACING_M)
         command = replace(update.command, drop_tag=drop)

@@ -28,6 +28,16 @@ TEXTS: dict[Language, dict[str, str]] = {
         "no_victim": "No victim is known.",
         "count_0": "No", "count_1": "One", "count_2": "Two", "count_3": "Three", "count_4": "Four",
         "count_5": "Five", "count_6": "Six", "count_7": "Seven", "count_8": "Eight", "count_9": "Nine",
+        "fix_near": "You are about {far} {way} of tag {tag}, give or take {doubt}.",
+        "fix_at": "You are at tag {tag}, give or take {doubt}.",
+        "fix_or_near": "Or about {far} {way} of tag {tag}, give or take {doubt}.",
+        "fix_or_at": "Or at tag {tag}, give or take {doubt}.",
+        "fix_walk": "Both fit what is heard: walk a few steps and ask again.",
+        "fix_ring": "You are about {far} from node {tag}, in any direction, give or take {doubt}."
+        " One more node would tell where.",
+        "fix_misfit": "What is heard does not agree, so trust this less.",
+        "fix_left_out": "Node {tag} contradicts all others and was left out: it may have been moved.",
+        "fix_unknown": "Node {tag} is not on the map.",
     },
     "de": {
         "north": "Norden", "north_east": "Nordosten", "east": "Osten", "south_east": "Südosten",
@@ -50,6 +60,17 @@ TEXTS: dict[Language, dict[str, str]] = {
         "no_victim": "Es ist kein Opfer bekannt.",
         "count_0": "Kein", "count_1": "Ein", "count_2": "Zwei", "count_3": "Drei", "count_4": "Vier",
         "count_5": "Fünf", "count_6": "Sechs", "count_7": "Sieben", "count_8": "Acht", "count_9": "Neun",
+        "fix_near": "Sie sind etwa {far} nach {way} von Marke {tag}, auf {doubt} genau.",
+        "fix_at": "Sie sind an Marke {tag}, auf {doubt} genau.",
+        "fix_or_near": "Oder etwa {far} nach {way} von Marke {tag}, auf {doubt} genau.",
+        "fix_or_at": "Oder an Marke {tag}, auf {doubt} genau.",
+        "fix_walk": "Beides passt zu dem, was zu hören ist: einige Schritte gehen und noch einmal fragen.",
+        "fix_ring": "Sie sind etwa {far} von Knoten {tag} entfernt, Richtung unbekannt, auf {doubt} genau."
+        " Ein weiterer Knoten würde zeigen, wo.",
+        "fix_misfit": "Was zu hören ist, passt nicht zusammen: Trauen Sie dem weniger.",
+        "fix_left_out": "Knoten {tag} widerspricht allen anderen und zählt nicht mit:"
+        " Er wurde vielleicht bewegt.",
+        "fix_unknown": "Knoten {tag} ist nicht auf der Karte.",
     },
 }  # fmt: skip
 

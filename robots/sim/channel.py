@@ -15,13 +15,13 @@ from numpy.typing import NDArray
 
 from robots.config import RadioConfig
 from robots.estimation.radio.model import NEAREST_M, TagHardware
+from robots.estimation.radio.walls import WALL_DB, count_walls
 from robots.se2 import Array
 from robots.sim.tags import Tag, TagField
-from robots.sim.world import WALL, Cells, World
+from robots.sim.world import Cells, World
 
 Keys = NDArray[np.uint64]
 
-WALL_DB = 2.4  # of every wall on the way, Seidel and Rappaport 1992 (concrete)
 # The CC2420 hears down to -95 dBm and counts from -45 dBm (Sun 2009 [8]); a passive tag answers within reach
 SENSITIVITY_DBM: dict[TagHardware, float] = {"uhf": -inf, "node": -50.0}
 
@@ -47,38 +47,6 @@ def _standard_normal(key: np.uint64, column: int, row: int) -> float:
     u = (float(first >> _S11) + 1.0) / 9007199254740993.0
     v = float(second >> _S11) / 9007199254740992.0
     return sqrt(-2.0 * log(u)) * cos(2.0 * pi * v)
-
-
-@njit(cache=True)
-def count_walls(cells: Cells, column0: float, row0: float, column1: float, row1: float, most: int) -> int:
-    """Return how often the line between two points, in cells, enters a wall; stop counting at ``most``."""
-    rows, columns = cells.shape
-    length = hypot(column1 - column0, row1 - row0)
-    if length == 0.0:
-        return 0
-    dx, dy = (column1 - column0) / length, (row1 - row0) / length
-    column, row = floor(column0), floor(row0)
-    step_c, step_r = (1 if dx > 0 else -1), (1 if dy > 0 else -1)
-    next_c = ((column + (1 if dx > 0 else 0)) - column0) / dx if dx != 0.0 else inf
-    next_r = ((row + (1 if dy > 0 else 0)) - row0) / dy if dy != 0.0 else inf
-    delta_c = abs(1.0 / dx) if dx != 0.0 else inf
-    delta_r = abs(1.0 / dy) if dy != 0.0 else inf
-    t, count, inside = 0.0, 0, False
-    while t < length and count < most:
-        if row < 0 or column < 0 or row >= rows or column >= columns:
-            break
-        wall = (cells[row, column] & WALL) != 0
-        if wall and not inside:
-            count += 1
-        inside = wall
-        t = min(next_c, next_r)
-        if next_c < next_r:
-            next_c += delta_c
-            column += step_c
-        else:
-            next_r += delta_r
-            row += step_r
-    return count
 
 
 @njit(cache=True)

@@ -6,6 +6,7 @@ from math import hypot, log10
 
 import numpy as np
 
+from robots.estimation.radio.walls import WALL_DB, count_walls
 from robots.exploration.team.communication import SAY_EVERY_S
 from robots.exploration.team.gossip import Gossip
 from robots.exploration.team.team_ground import FREE
@@ -16,7 +17,6 @@ from robots.exploration.team.team_message import (
     encode_message,
 )
 from robots.se2 import Array, Pose2
-from robots.sim.channel import WALL_DB, count_walls
 from robots.sim.scenario import ScenarioConfig, is_cut
 from robots.sim.world import Mask, World
 

@@ -56,7 +56,7 @@ async def get_mission_audit(
 async def take_back(
     audit_id: int, mission: OneMission, missions: AllMissions, by: Responder, change: TheChange
 ) -> None:
-    """Put a victim's status or an annotation back to what it was before a change.
+    """Put a victim's status, an annotation, a sector, a photo or what lies under the map back to what it was.
 
     Refused where somebody has changed it again since.
     """
@@ -89,6 +89,17 @@ async def take_back(
             raise changed
         before = None if entry.before is None else GeoreferenceRecord.of(entry.before)
         await mission.georeferences.set(before, by.name)
+    elif entry.action in ("put_base_map", "copy_base_map", "delete_base_map") and entry.before is not None:
+        if entry.after is None or plain(mission.base_map.value()) != entry.after["base_map"]:
+            raise changed
+        await mission.base_map.put_back(entry.before["base_map"], by.name)
+        if (
+            entry.before["georeference"]
+            != entry.after["georeference"]
+            == plain(mission.georeferences.value())
+        ):
+            place = entry.before["georeference"]
+            await mission.georeferences.set(None if place is None else GeoreferenceRecord.of(place), by.name)
     elif entry.action == "delete_photo":
         await mission.photos.put_back(entry.subject)
     else:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from typing import Annotated
+from typing import Annotated, Any
 
 from fastapi import APIRouter, Header, Query, Request, Response
 
@@ -22,6 +22,7 @@ router = APIRouter(
     dependencies=READS,
     route_class=AuditedRoute,
 )
+SUBJECT = "the base map"
 _BINARY = {"schema": {"type": "string", "format": "binary"}}
 _KINDS = ("image/png", "image/x-portable-graymap", "image/jpeg", "image/webp")
 
@@ -60,7 +61,7 @@ async def put_base_map(
     change: TheChange,
 ) -> BaseMapOut:
     """Keep a plan: the body is its picture (PNG, PGM, JPEG, WebP), the address has its YAML or numbers."""
-    change.subject = plan.source
+    change.subject = SUBJECT
     try:
         if plan.yaml is not None:
             words = words_of(plan.yaml)
@@ -73,7 +74,9 @@ async def put_base_map(
     except BaseMapError as error:
         text = str(error)
         raise ApiError(422, "no_plan", f"{text[0].upper()}{text[1:]}.") from error
+    change.before = _place(mission)
     await mission.base_map.set(grid, plan.source, by.name)
+    change.after = _place(mission)
     return _out(mission)
 
 
@@ -83,21 +86,31 @@ async def copy_base_map(
 ) -> BaseMapOut:
     """Lay another mission's best map under this one, its latest where it has none, and lie where it lies."""
     other = missions.get(body.mission_id)
-    change.subject = body.mission_id
+    change.subject = SUBJECT
     image = other.best_map.image or other.shared_map.image
     if image is None:
         raise ApiError(409, "no_map", f"{other.roster.record.name} has no map to take over.", "mission_id")
+    change.before = _place(mission)
     await mission.base_map.set(
         await asyncio.to_thread(grid_of_image, image), other.roster.record.name, by.name
     )
     await mission.georeferences.take_over(other.georeferences, by.name)
+    change.after = _place(mission)
     return _out(mission)
 
 
 @router.delete("/base-map", status_code=204, summary="Take the base map away", operation_id="delete_base_map")
-async def delete_base_map(mission: OneMission, by: Operator) -> None:
-    """Take the base map away; the map that robots made stays."""
+async def delete_base_map(mission: OneMission, by: Operator, change: TheChange) -> None:
+    """Take the base map away; the map that robots made stays. That can be taken back."""
+    change.subject = SUBJECT
+    change.before = _place(mission)
     await mission.base_map.remove(by.name)
+    change.after = _place(mission)
+
+
+def _place(mission: Mission) -> dict[str, Any]:
+    """Return base map and georeference, for the log of changes: a copy brings both."""
+    return {"base_map": mission.base_map.value(), "georeference": mission.georeferences.value()}
 
 
 def _out(mission: Mission) -> BaseMapOut:

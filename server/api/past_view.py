@@ -9,26 +9,23 @@ import structlog
 from fastapi import APIRouter, WebSocket, WebSocketDisconnect
 
 from db.errors import DatabaseError
+from server.api.seats import FULL, NOT_LOGGED_IN, Line, read, tell_clicks, until_first
 from server.api.stream import entered
 from server.history.film import grid_of
 from server.history.past import Past
 from server.missions import Missions
-from server.people.actor import Actor
 from web.viser.scenes import PastScene, Scenes
 
 router = APIRouter(prefix="/missions/{mission_id}/history")
-_FULL, _NOT_LOGGED_IN = 4429, 4401
-_SEND_S = 10.0
-_LONGEST_MESSAGE = 64
 
 log = structlog.get_logger()
 
 
 @router.websocket("/view")
 async def view(websocket: WebSocket, mission_id: str, theme: str = "dark") -> None:
-    """Say where the scene is (`{"scene": address}`); it shows the moment that was sent last, in Unix seconds.
+    """Say where the scene is (`{"scene": address}`) and what is clicked in it; take moments and what to mark.
 
-    The scene ends with the socket.
+    It shows the moment that was sent last (`{"unix_s": 1.7e9}`). The scene ends with the socket.
     """
     found = await entered(websocket, mission_id)
     if found is None:
@@ -36,39 +33,37 @@ async def view(websocket: WebSocket, mission_id: str, theme: str = "dark") -> No
     _, actor = found
     missions: Missions = websocket.app.state.missions
     scenes: Scenes = websocket.app.state.scenes
-    scene = scenes.open_past(mission_id, theme)
+    scene = scenes.open_past(mission_id, theme, actor.over)
     if scene is None:
-        await websocket.close(_FULL, "too many people look at the past in 3D; close another page or use 2D")
+        await websocket.close(FULL, "too many people look at the past in 3D; close another page or use 2D")
         return
-    showing = asyncio.create_task(_show(websocket, Past(missions.store, mission_id), scene))
-    logged_out = asyncio.create_task(_leave(websocket, actor))
-    try:
-        await showing
-    finally:
-        logged_out.cancel()
-        await scenes.close_past(scene)
-
-
-async def _show(websocket: WebSocket, past: Past, scene: PastScene) -> None:
+    line, past = Line(websocket), Past(missions.store, mission_id)
     wanted: asyncio.Queue[float] = asyncio.Queue()
-    listening = asyncio.create_task(_listen(websocket, wanted))
-    version = None
     try:
-        with suppress(WebSocketDisconnect, RuntimeError, TimeoutError):
-            await asyncio.wait_for(websocket.send_json({"scene": scene.key}), _SEND_S)
-            while True:
-                moment = asyncio.ensure_future(wanted.get())
-                await asyncio.wait({moment, listening}, return_when=asyncio.FIRST_COMPLETED)
-                if not moment.done():
-                    moment.cancel()
-                    return
-                unix_s = moment.result()
-                while not wanted.empty():  # only the latest counts
-                    unix_s = wanted.get_nowait()
-                version = await _draw(past, scene, unix_s, version)
-                await asyncio.wait_for(websocket.send_json({"shown_unix_s": unix_s}), _SEND_S)
+        await until_first(
+            _listen(websocket, scene, wanted),
+            _show(line, past, scene, wanted),
+            tell_clicks(line, scene.seat),
+            actor.over.wait(),
+        )
     finally:
-        listening.cancel()
+        await scenes.close_past(scene)
+    with suppress(WebSocketDisconnect, RuntimeError):
+        await websocket.close(
+            *(NOT_LOGGED_IN, "you have been logged out") if actor.over.is_set() else (1008,)
+        )
+
+
+async def _show(line: Line, past: Past, scene: PastScene, wanted: asyncio.Queue[float]) -> None:
+    version = None
+    with suppress(WebSocketDisconnect, RuntimeError, TimeoutError):
+        await line.send({"scene": scene.seat.key})
+        while True:
+            unix_s = await wanted.get()
+            while not wanted.empty():  # only the latest counts
+                unix_s = wanted.get_nowait()
+            version = await _draw(past, scene, unix_s, version)
+            await line.send({"shown_unix_s": unix_s})
 
 
 async def _draw(past: Past, scene: PastScene, unix_s: float, version: int | None) -> int | None:
@@ -88,18 +83,10 @@ async def _draw(past: Past, scene: PastScene, unix_s: float, version: int | None
     return version if grid is None or shown is None else int(shown["version"])
 
 
-async def _listen(websocket: WebSocket, wanted: asyncio.Queue[float]) -> None:
-    """Take in moments until the other side closes; anything else ends it."""
-    with suppress(WebSocketDisconnect, RuntimeError, KeyError, ValueError):
-        while True:
-            text = await websocket.receive_text()
-            moment = float(text) if len(text) <= _LONGEST_MESSAGE else -1.0
-            if not 0.0 <= moment <= 1e11:
-                return
-            wanted.put_nowait(moment)
-
-
-async def _leave(websocket: WebSocket, actor: Actor) -> None:
-    await actor.over.wait()
-    with suppress(RuntimeError):
-        await websocket.close(_NOT_LOGGED_IN, "you have been logged out")
+async def _listen(websocket: WebSocket, scene: PastScene, wanted: asyncio.Queue[float]) -> None:
+    """Take in moments and wishes until the other side closes; anything else ends it."""
+    while (told := await read(websocket)) is not None:
+        if told.unix_s is not None:
+            wanted.put_nowait(told.unix_s)
+        else:
+            scene.seat.wish = told.wish()

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import asyncio
 import time
+from collections.abc import Mapping
 from dataclasses import replace
+from typing import Any
 
 import structlog
 
@@ -26,6 +28,7 @@ class BaseMap:
 
     def __init__(self, store: Store, mission_id: str, board: Board, events: Events) -> None:
         self.image: MapImage | None = None
+        self._record: BaseMapRecord | None = None
         self._store = store.places
         self._mission_id = mission_id
         self._board = board
@@ -55,6 +58,15 @@ class BaseMap:
             )
         return self.image
 
+    def value(self) -> dict[str, Any] | None:
+        """Return which one it is, for the log of changes; None: there is none."""
+        now = self._record
+        return (
+            None
+            if now is None
+            else {"source": now.source, "by": now.by, "changed_unix_s": now.changed_unix_s}
+        )
+
     async def set(self, grid: TeamGrid, source: str, by: str) -> None:
         """Keep a base map in the place of the one before; ``source`` says where it is from."""
         grid = replace(grid, version=int(time.time() * 1000.0))
@@ -71,12 +83,34 @@ class BaseMap:
             ApiError: there is none.
         """
         self.get()
-        await self._store.record_base_map(self._mission_id, None)
-        self.image = None
-        self._board.publish({"base_map": None})
+        await self._clear()
         await self._events.tell("base_map", f"{by} took the base map away.")
+
+    async def put_back(self, before: Mapping[str, Any] | None, by: str) -> None:
+        """Have the one that was there before a change, or none, as ``value`` named it.
+
+        Raises:
+            ApiError: it is not kept any more.
+        """
+        if before is None:
+            await self._clear(keep_past=False)
+        else:
+            record = await self._store.past_base_map(self._mission_id, before["changed_unix_s"])
+            if record is None:
+                text = f"{before['source']} is not kept any more: only the last base maps are. Lay it again."
+                raise ApiError(409, "not_kept", text, "audit_id")
+            grid = await asyncio.to_thread(codec.decode, record.grid, TeamGrid)
+            await self._store.record_base_map(self._mission_id, record, keep_past=False)
+            await self._show(grid, record)
+        await self._events.tell("base_map", f"{by} took a change of the base map back.")
+
+    async def _clear(self, *, keep_past: bool = True) -> None:
+        await self._store.record_base_map(self._mission_id, None, keep_past=keep_past)
+        self.image = self._record = None
+        self._board.publish({"base_map": None})
 
     async def _show(self, grid: TeamGrid, record: BaseMapRecord) -> None:
         self.image = await asyncio.to_thread(draw, grid)
+        self._record = record
         told = map_value(self._mission_id, self.image, "base-map.png")
         self._board.publish({"base_map": {**told, "source": record.source, "by": record.by}})

@@ -34,6 +34,7 @@ from server.mission.georeferences import Georeferences
 from server.mission.ground import Ground
 from server.mission.lifecycle import Lifecycle
 from server.mission.links import Links
+from server.mission.locating import Locating
 from server.mission.memories import Memories
 from server.mission.nodes import Nodes
 from server.mission.orders import Orders
@@ -107,7 +108,8 @@ class Mission:
             store, forks, self.board, self.roster, self.victims, told, doubts, on_grid
         )
         self.ground = Ground(store, self.roster, self.shared_map)
-        self.pocket = Pocket(self.board, self.roster, self.routes, self.shared_map)
+        self.locating = Locating(self.board, self.roster, self.shared_map)
+        self.pocket = Pocket(self.board, self.roster, self.routes, self.shared_map, self.locating)
         self.best_map = BestMap(store, forks, self.board, self.roster, self.shared_map, self._tasks)
         self.history = Recorder(store, mission_id, self.board, lambda: self.shared_map.image)
         self._relay = Relay(self.roster)

@@ -14,9 +14,11 @@ from db.records import NodeRecord
 from db.store import Store
 from robots.types import NodeSensors, Observation
 from server.board import Board
+from server.history.changes import Value
+from server.history.past import Past, steps
 from server.mission.alerts import Alerts
 from server.mission.node_alerts import RULES, Watch, with_usual_pressure
-from server.mission.trends import Trends
+from server.mission.trends import TREND_S, Trends
 from server.sharing import node_value
 
 _SAVE_S = 5.0  # readings are saved so often
@@ -46,9 +48,25 @@ class Nodes:
         for tag_id in self._nodes:
             for watch in self._watches_of(tag_id):
                 watch.active = self._alerts.is_on(watch.rule.kind, tag_id)
+        told = await self._recall()
         self._board.publish(
-            {f"node/{node.tag_id}": node_value(node, Trends().value()) for node in self._nodes.values()}
+            {f"node/{tag_id}": node_value(node, told.get(tag_id, {})) for tag_id, node in self._nodes.items()}
         )
+
+    async def _recall(self) -> dict[str, dict[str, float | None]]:
+        """Bring the readings of the last minutes back from the past; return each node's last trends."""
+        past = Past(self._store, self._mission_id)
+        spans = await past.spans()
+        told: dict[str, dict[str, float | None]] = {}
+        for span in spans:
+            if span.ends_unix_s < spans[-1].ends_unix_s - TREND_S:
+                continue
+            chunk = await past.chunk(span.number)
+            for node in [] if chunk is None else await asyncio.to_thread(_readings_in, chunk[0]):
+                tag_id = node["tag_id"]
+                self._trends[tag_id].add(node["heard_unix_s"], node["temperature_c"], node["pressure_hpa"])
+                told[tag_id] = {name: node.get(name) for name in Trends().value()}
+        return told
 
     async def take(self, robot_id: str, observations: Iterable[Observation]) -> None:
         """Take over what nodes measured, in the order in which a robot heard it."""
@@ -96,7 +114,7 @@ class Nodes:
         )
         node = with_usual_pressure(node, None if known is None else known.usual_pressure_hpa)
         self._nodes[tag_id] = node
-        self._trends[tag_id].add(node)
+        self._trends[tag_id].add(node.heard_unix_s, node.temperature_c, node.pressure_hpa)
         for watch in self._watches_of(tag_id):
             if watch.take(node):
                 await self._tell(watch, node)
@@ -126,3 +144,15 @@ class Nodes:
 
 def _newer(value: float | None, known: float | None) -> float | None:
     return known if value is None else value
+
+
+def _readings_in(chunk: bytes) -> list[Value]:
+    """Return what a chunk of the past tells of nodes, in order."""
+    found: list[Value] = []
+    last: dict[str, Value] = {}
+    for _, state in steps(chunk):
+        for key, value in state.items():
+            if key.startswith("node/") and last.get(key) is not value:
+                last[key] = value
+                found.append(value)
+    return found

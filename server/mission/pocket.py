@@ -16,6 +16,7 @@ from robots.routes.planner import RouteMap, centimetres
 from robots.team import TeamGrid
 from server.board import Board, Value
 from server.map_image import MapImage
+from server.mission.locating import Locating
 from server.mission.roster import Roster
 from server.mission.routes import Routes, ends_of, place_of, places_of, sd_of
 from server.mission.shared_map import SharedMap
@@ -39,11 +40,14 @@ class Pack:
 class Pocket:
     """Packs what the board shows, anew only when it has changed."""
 
-    def __init__(self, board: Board, roster: Roster, routes: Routes, shared_map: SharedMap) -> None:
+    def __init__(
+        self, board: Board, roster: Roster, routes: Routes, shared_map: SharedMap, locating: Locating
+    ) -> None:
         self._board = board
         self._roster = roster
         self._routes = routes
         self._shared_map = shared_map
+        self._locating = locating
         self._packing = asyncio.Lock()
         self._of: list[object] = []  # what the pack was made of
         self._pack: Pack | None = None
@@ -59,7 +63,8 @@ class Pocket:
             image, grid = self._shared_map.image, self._shared_map.grid
             evacuation, record = self._board.get("evacuation"), self._roster.record
             now: list[object] = [*(value for values in kinds.values() for value in values), image, grid]
-            now += [evacuation, record]
+            radio = self._locating.value()
+            now += [evacuation, record, radio]
             is_same = len(now) == len(self._of) and all(a is b for a, b in zip(now, self._of, strict=True))
             if pack is None or not is_same:
                 head = {
@@ -68,6 +73,7 @@ class Pocket:
                     "state": record.state,
                     "created_unix_s": record.created_unix_s,
                     "evacuation": evacuation,
+                    "radio": radio,
                 }
                 roads = self._routes.roads()
                 pack = await asyncio.to_thread(pack_of, head, kinds, roads, image, grid)

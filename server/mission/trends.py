@@ -6,9 +6,7 @@ from collections import deque
 
 import numpy as np
 
-from db.records import NodeRecord
-
-_WINDOW_S = 300.0
+TREND_S = 300.0  # how far back a trend looks
 _EVERY_S = 2.0  # readings nearer than that say the same
 _LEAST_S = 30.0  # before that a trend is noise
 
@@ -21,12 +19,12 @@ class Trends:
     def __init__(self) -> None:
         self._readings: deque[_Reading] = deque()
 
-    def add(self, node: NodeRecord) -> None:
+    def add(self, unix_s: float, temperature_c: float | None, pressure_hpa: float | None) -> None:
         """Take a reading."""
-        if self._readings and node.heard_unix_s - self._readings[-1][0] < _EVERY_S:
+        if self._readings and unix_s - self._readings[-1][0] < _EVERY_S:
             return
-        self._readings.append((node.heard_unix_s, node.temperature_c, node.pressure_hpa))
-        while self._readings[-1][0] - self._readings[0][0] > _WINDOW_S:
+        self._readings.append((unix_s, temperature_c, pressure_hpa))
+        while self._readings[-1][0] - self._readings[0][0] > TREND_S:
             self._readings.popleft()
 
     def value(self) -> dict[str, float | None]:

@@ -31,9 +31,9 @@ def _code(rgb: Rgb) -> str:
     return "#{:02x}{:02x}{:02x}".format(*rgb)
 
 
-def data_address(png: bytes) -> str:
+def data_address(picture: bytes, kind: str = "image/png") -> str:
     """Return a picture as an address that holds it."""
-    return "data:image/png;base64," + base64.b64encode(png).decode()
+    return f"data:{kind};base64,{base64.b64encode(picture).decode()}"
 
 
 def number(value: float) -> str:

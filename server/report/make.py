@@ -8,6 +8,7 @@ from db.records import EventRecord, MissionRecord
 from db.store import Store
 from server.history.past import Past
 from server.report.page import report_page
+from server.report.photos import gather
 from server.report.story import pictures_of, tell
 from server.sharing import alert_value
 
@@ -30,7 +31,8 @@ async def make_report(store: Store, mission: MissionRecord) -> str:
         if png is not None:
             pictures[version] = png
     events = await _all_events(store, mission.mission_id)
-    return await asyncio.to_thread(report_page, mission, story, pictures, events)
+    album = await gather(store, mission.mission_id)
+    return await asyncio.to_thread(report_page, mission, story, pictures, events, album)
 
 
 async def _all_events(store: Store, mission_id: str) -> list[EventRecord]:

@@ -26,6 +26,7 @@ from server.report.parts import (
     victim_part,
     wait_s,
 )
+from server.report.photos import Album, photos_part
 from server.report.story import Story
 
 _PLAN_WORDS = (
@@ -35,7 +36,11 @@ _FILES = Path(__file__).parents[2] / "web" / "static" / "report"
 
 
 def report_page(
-    mission: MissionRecord, story: Story, pictures: Mapping[int, bytes], events: Sequence[EventRecord]
+    mission: MissionRecord,
+    story: Story,
+    pictures: Mapping[int, bytes],
+    events: Sequence[EventRecord],
+    album: Album,
 ) -> str:
     """Return the report of a mission; ``pictures``: PNG by version of the map, the last one among them."""
     script = (_FILES / "player.js").read_text()
@@ -47,7 +52,11 @@ def report_page(
     )
     numbers = {victim["victim_id"]: n for n, victim in enumerate(victims, 1)}
     drawn = plan(shown, None if shown is None else pictures.get(shown["version"]), story.state, numbers)
-    told = [victim_part(victim, numbers[victim["victim_id"]], story) for victim in victims]
+    told = [
+        victim_part(victim, numbers[name], story, album.of_victim(name))
+        for victim in victims
+        for name in [victim["victim_id"]]
+    ]
     told = told or [tag("p", "No victim was seen.")]
     body = join((
         _head(mission, story, victims, events),
@@ -57,6 +66,7 @@ def report_page(
         robots_part(story),
         alerts_part(story),
         notes_part(story),
+        photos_part(album, numbers, {name: note["text"] for name, note in story.notes.items()}),
         tags_part(story),
         timeline_part(events),
         tag("script", Html(script)),

@@ -10,6 +10,7 @@ from db.records import EventRecord
 from server.history.changes import Value
 from server.report.drawing import fema, insarag, number
 from server.report.html import Html, clock, duration, facts, table, tag
+from server.report.photos import Shot, figures
 from server.report.story import Said, Story
 
 _SAID_WORDS: Mapping[str, str] = {
@@ -24,8 +25,8 @@ def wait_s(alert: Value) -> float | None:
     return None if noted is None else max(0.0, noted - alert["raised_unix_s"])
 
 
-def victim_part(victim: Value, n: int, story: Story) -> Html:
-    """Return one victim: markings, facts, and who said what when."""
+def victim_part(victim: Value, n: int, story: Story, shots: Sequence[Shot]) -> Html:
+    """Return one victim: markings, facts, photos, and who said what when."""
     name = victim["victim_id"]
     tags = story.of_kind("tag")
     near = min(tags, key=lambda each: _apart_m(each, victim), default=None)
@@ -48,6 +49,7 @@ def victim_part(victim: Value, n: int, story: Story) -> Html:
             ("Team", victim["team"]),
             ("Note", victim["note"]),
         )),
+        figures(shots),
         table(("Time", "Who", "What"), [first, *told]),
         class_="victim",
     )  # fmt: skip

@@ -57,6 +57,21 @@ class PocketNoteOut(Wire):
     ends: list[End]
 
 
+class PocketRadioOut(Wire):
+    """The radio of the mission's nodes: log-distance path loss, and what robots have learnt of it."""
+
+    power_at_1m_dbm: float
+    path_loss_exponent: float
+    distances_m: list[float] = Field(description="Where the deviation of the shadowing is known.")
+    sds_db: list[float] = Field(description="That deviation, linear in between.")
+    fading_sd_db: float = Field(description="Of every reading.")
+    reach_m: float
+    gain_sd_db: float = Field(description="Of phones among each other.")
+    wall_db: float = Field(description="What a wall takes.")
+    scale: float = Field(description="Range measured = scale * true range + the node's offset.")
+    offsets_m: dict[str, float] = Field(description="By tag id, where it is not 0.")
+
+
 class PocketPlanOut(Wire):
     """The plan as a picture."""
 
@@ -76,6 +91,7 @@ class PocketOut(Wire):
     state: str
     created_unix_s: float
     evacuation: EvacuationOut | None
+    radio: PocketRadioOut
     map: PocketPlanOut | None
     tags: list[PocketTagOut]
     ways: list[tuple[int, int, int, list[int]]] = Field(

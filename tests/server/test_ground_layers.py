@@ -9,12 +9,10 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from db.records import NodeRecord
 from robots.se2 import Pose2
 from robots.team import TeamGrid
 from robots.types import SubmapReport
 from server.ground_layers import CLEARED, SAFE, SEEN, came_late, coarse, coverage, in_world, own_map
-from server.mission.trends import Trends
 
 
 def room(resolution_m: float = 0.05) -> TeamGrid:
@@ -87,13 +85,3 @@ def test_a_backlog_was_not_heard_but_for_its_end() -> None:
     assert not late[~silent].any()
     assert late[silent & (stamps < 34.9)].all()
     assert not came_late(np.zeros(0), np.zeros(0)).any()
-
-
-def test_a_trend_is_the_slope_of_the_last_five_minutes() -> None:
-    trends = Trends()
-    for k in range(200):
-        warm = 20.0 if k < 50 else 20.0 + 3.0 * (k - 50) / 15.0  # four seconds apart: 3 degrees a minute
-        trends.add(NodeRecord("N1", warm, None, None, None, 4.0 * k, "r1"))
-        if k == 5:
-            assert trends.value()["temperature_c_per_min"] is None
-    assert trends.value() == {"temperature_c_per_min": 3.0, "pressure_hpa_per_min": None}

@@ -12,17 +12,15 @@ import httpx
 import msgspec
 import numpy as np
 import pytest
-import viser
 import websockets
-import zstandard
 from fastapi import FastAPI
 
 import web.proxy
+from tests.web.viser_page import SUBPROTOCOL, camera, receive_until
 from web.mount import mount_web
 from web.viser.colors import THEMES
 from web.viser.scenes import Scenes
 
-SUBPROTOCOL = websockets.Subprotocol(f"viser-v{viser.__version__}")
 ROBOT = {
     "robot_id": "r1", "x_m": 2.0, "y_m": 1.0, "yaw_rad": 0.5, "link": "live",
     "covariance": [0.04, 0.0, 0.01, 0.001],
@@ -89,36 +87,6 @@ def site(serve: Callable[[FastAPI], str]) -> Site:
         assert time.monotonic() < deadline, "the server did not start"
         time.sleep(0.01)
     return Site(host, scenes)
-
-
-def camera(kind: str = "ViewerCameraMessage", **other: Any) -> bytes:
-    """Return what viser's page sends about its camera; viser welcomes a client at the first of them."""
-    return msgspec.msgpack.encode(
-        {
-            "type": kind, "wxyz": [1.0, 0.0, 0.0, 0.0], "position": [0.0, 0.0, 10.0], "fov": 1.2,
-            "near": 0.01, "far": 1000.0, "image_height": 600, "image_width": 800, "look_at": [0.0, 0.0, 0.0],
-            "up_direction": [0.0, 0.0, 1.0],
-        }
-        | other
-    )  # fmt: skip
-
-
-def messages_of(frame: bytes) -> list[dict[str, Any]]:
-    """Return a frame's messages: two lengths of 8 bytes, the packed messages under zstd, raw buffers."""
-    size = int.from_bytes(frame[8:16], "little")
-    return list(msgspec.msgpack.decode(zstandard.decompress(frame[16 : 16 + size]))["messages"])
-
-
-async def receive_until(
-    socket: websockets.ClientConnection, is_complete: Callable[[list[dict[str, Any]]], bool]
-) -> list[dict[str, Any]]:
-    messages: list[dict[str, Any]] = []
-    async with asyncio.timeout(10):
-        while not is_complete(messages):
-            frame = await socket.recv()
-            assert isinstance(frame, bytes)
-            messages += messages_of(frame)
-    return messages
 
 
 def run(story: Callable[[], Awaitable[None]]) -> None:

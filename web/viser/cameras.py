@@ -14,6 +14,8 @@ _SLANT = 0.6  # distance aside per height; 0 would be straight above
 _FROM_ABOVE = 0.02  # straight above has no up direction
 _MARGIN = 1.3  # of the view beyond the building
 _SMALLEST_M = 6.0
+_CLOSE_M = 14.0  # a room and its neighbours fill the view
+_STEP_M = 0.05  # by less nobody sees a robot move
 
 
 class Cameras:
@@ -49,6 +51,26 @@ class Cameras:
             is_ours = position is not None and np.allclose(client.camera.position, position, atol=0.05)
             if is_ours and not np.allclose(self._frame(client), frame, atol=0.5):
                 self._look(client, slant)
+
+    def centre(self, client: viser.ClientHandle, place: tuple[float, float]) -> None:
+        """Let a viewer look at a place, in metres, from where they look now, and not from far off."""
+        aside = np.asarray(client.camera.position) - client.camera.look_at
+        distance_m = float(np.linalg.norm(aside))
+        self._look_at(client, place, aside * min(1.0, _CLOSE_M / distance_m))
+
+    def follow(self, client: viser.ClientHandle, place: tuple[float, float], is_new: bool) -> None:
+        """Take a viewer along to a place, however they have turned or come closer meanwhile."""
+        if is_new:
+            self.centre(client, place)
+        elif float(np.hypot(*(client.camera.look_at[:2] - place))) > _STEP_M:
+            self._look_at(client, place, np.asarray(client.camera.position) - client.camera.look_at)
+
+    def _look_at(self, client: viser.ClientHandle, place: tuple[float, float], aside: Any) -> None:
+        self._placed[client.client_id] = (_SLANT, None, None)  # it is no more for us to step back
+        target = np.append(place, 0.0)
+        with client.atomic():
+            client.camera.position = target + aside
+            client.camera.look_at = target
 
     def _welcome(self, client: viser.ClientHandle) -> None:
         overview = client.gui.add_button("Overview", hint="Look at the whole building at a slant")

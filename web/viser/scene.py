@@ -8,7 +8,8 @@ import io
 import logging
 import math
 import time
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -19,8 +20,12 @@ from web.viser.cameras import Cameras
 from web.viser.colors import Palette
 from web.viser.frontiers_layer import FrontiersLayer
 from web.viser.map_layer import Cells, Grid, MapLayer
+from web.viser.marks import Mark, Marks, mark_of
 from web.viser.nodes_layer import NodesLayer
+from web.viser.picking import pick
+from web.viser.places import of_kind
 from web.viser.robots_layer import RobotsLayer
+from web.viser.seats import Seat, Wish, seat_key
 from web.viser.tags_layer import TagsLayer
 from web.viser.trails_layer import TrailsLayer
 from web.viser.victims_layer import VictimsLayer
@@ -28,6 +33,7 @@ from web.viser.victims_layer import VictimsLayer
 _DRAW_S = 0.1  # poses and victims
 _SLOW_DRAW_S = 1.0  # map, trails and tags: large, and slow to change
 _FAST = ("robot/", "victim/")
+_REACH_PX = 14.0  # as far beside a thing a click may go: a finger is no pointer
 
 _log = logging.getLogger(__name__)
 
@@ -38,7 +44,8 @@ Value = dict[str, Any]
 class Batch:
     """What to draw next: new values by board key (None: gone); tags with links, and grid, if they changed.
 
-    ``nodes`` by tag id and ``alerts`` go with the tags; None where none of the three changed.
+    ``nodes`` by tag id and ``alerts`` go with the tags; None where none of the three changed. ``wishes`` by
+    viewer: what each page wants, and the mark on what it has selected.
     """
 
     values: dict[str, Value | None]
@@ -47,13 +54,21 @@ class Batch:
     grid: Grid | None
     nodes: dict[str, Value] | None = None
     alerts: tuple[Value, ...] = ()
+    wishes: Mapping[int, tuple[Wish, Mark | None]] = field(default_factory=dict)
 
 
 class MissionScene:
     """Keeps the latest value of every key and draws what changed, but only while somebody looks."""
 
-    def __init__(self, theme: str = "dark", slow_draw_s: float = _SLOW_DRAW_S) -> None:
+    def __init__(
+        self,
+        theme: str = "dark",
+        slow_draw_s: float = _SLOW_DRAW_S,
+        seats: Mapping[str, Seat] | None = None,
+    ) -> None:
         palette = Palette(theme)
+        self._seats = {} if seats is None else seats
+        self._drawing = asyncio.Lock()
         self._slow_draw_s = slow_draw_s
         with contextlib.redirect_stdout(io.StringIO()):  # its banner names a port that users must not go to
             self._server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
@@ -69,6 +84,7 @@ class MissionScene:
         self._drawn_tags: dict[str, Value] = {}
         self._victims = VictimsLayer(self._server, palette)
         self._cameras = Cameras(self._server)
+        self._marks = Marks(self._server, palette, self._cameras)
         self._values: dict[str, Value] = {}
         self._changed: set[str] = set()
         self._grid: Grid | None = None
@@ -78,6 +94,8 @@ class MissionScene:
         self._server.gui.configure_theme(dark_mode=theme == "dark", show_logo=False, show_share_button=False)
         self._server.gui.set_panel_label("3D view")
         self._server.gui.main_panel.minimize()
+        if seats is not None:
+            self._server.scene.on_click()(self._click)
 
     def put(self, key: str, value: Value | None) -> None:
         """Take a change of the board; None when the key is gone."""
@@ -95,13 +113,14 @@ class MissionScene:
             if self._values.get(key) != value:
                 self.put(key, value)
 
-    def show(self, values: dict[str, Value], grid: Grid | None) -> None:
+    async def show(self, values: dict[str, Value], grid: Grid | None) -> None:
         """Draw a state at once, whether due or not; ``grid`` where the map is another than before."""
-        self.replace(values)
-        if grid is not None:
-            self._grid = grid
-        self._slow_drawn_s = -math.inf
-        self.draw(self.take(0.0))
+        async with self._drawing:
+            self.replace(values)
+            if grid is not None:
+                self._grid = grid
+            self._slow_drawn_s = -math.inf
+            await asyncio.to_thread(self.draw, self.take(0.0))
 
     def serializer(self) -> StateSerializer:
         """Return what records the scene from now on; see viser's ``get_scene_serializer``."""
@@ -121,9 +140,9 @@ class MissionScene:
             await asyncio.sleep(_DRAW_S)
             if not self._server.get_clients():
                 continue
-            batch = self.take(time.monotonic())
             try:
-                await asyncio.to_thread(self.draw, batch)
+                async with self._drawing:
+                    await asyncio.to_thread(self.draw, self.take(time.monotonic()))
             except Exception:  # the next change may well be drawable, and the plan does not need us
                 _log.exception("The 3D scene could not be drawn.")
 
@@ -147,11 +166,26 @@ class MissionScene:
         pairs = tuple(self._values.get("links", {}).get("pairs", ()))
         alerts = tuple(self._of_kind("alert").values())
         values = {key: self._values.get(key) for key in sorted(changed)}
-        return Batch(values, tags, pairs, grid, nodes, alerts)
+        return Batch(values, tags, pairs, grid, nodes, alerts, self._wishes())
 
     def _of_kind(self, kind: str) -> dict[str, Value]:
-        start = len(kind) + 1
-        return {key[start:]: value for key, value in self._values.items() if key.startswith(f"{kind}/")}
+        return dict(of_kind(self._values, kind))
+
+    def _wishes(self) -> dict[int, tuple[Wish, Mark | None]]:
+        keys = {viewer: seat_key(self._server, viewer) or "" for viewer in self._server.get_clients()}
+        wishes = {viewer: self._seats[key].wish for viewer, key in keys.items() if key in self._seats}
+        return {viewer: (wish, mark_of(self._values, wish.selected)) for viewer, wish in wishes.items()}
+
+    def _click(self, event: viser.SceneClickEvent) -> None:
+        """Tell the page whose view was clicked what that means."""
+        seat = self._seats.get(seat_key(self._server, event.client_id) or "")
+        if seat is None:
+            return
+        camera = event.client.camera
+        reach_rad = 2.0 * math.tan(camera.fov / 2.0) / max(camera.image_height, 1) * _REACH_PX
+        named = pick(dict(self._values), event.ray_origin, event.ray_direction, reach_rad)
+        if named is not None:
+            seat.click(named)
 
     def draw(self, batch: Batch) -> None:
         """Bring the scene to the values of the batch."""
@@ -176,6 +210,7 @@ class MissionScene:
             self._map.show(batch.grid)
             self._cameras.see_grid(batch.grid)
         self._cameras.keep_in_view()
+        self._marks.draw(batch.wishes)
 
     def stop(self) -> None:
         """Close the port and every viewer's socket. Takes up to a second: call it in a thread."""

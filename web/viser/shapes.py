@@ -53,6 +53,35 @@ def unit_disc(sides: int = 40) -> Mesh:
     return Mesh(np.vstack((np.zeros((1, 3)), rim)).astype(np.float32), np.array(faces, np.uint32))
 
 
+def unit_ring(inner: float = 0.74, sides: int = 40) -> Mesh:
+    """Return a flat ring of outer radius 1 in the plane z = 0."""
+    angles = np.linspace(0.0, 2.0 * pi, sides, endpoint=False)
+    rim = np.stack((np.cos(angles), np.sin(angles), np.zeros(sides)), axis=1)
+    faces = []
+    for i in range(sides):
+        j = (i + 1) % sides
+        faces += [(i, j, sides + j), (i, sides + j, sides + i)]
+    return Mesh(np.vstack((rim, inner * rim)).astype(np.float32), np.array(faces, np.uint32))
+
+
+def spike(radius_m: float, height_m: float, sides: int = 4) -> Mesh:
+    """Return a pyramid that stands on its tip, at the origin."""
+    angles = np.linspace(0.0, 2.0 * pi, sides, endpoint=False)
+    rim = np.stack((radius_m * np.cos(angles), radius_m * np.sin(angles), np.full(sides, height_m)), axis=1)
+    ends = np.array([(0.0, 0.0, 0.0), (0.0, 0.0, height_m)])
+    faces = []
+    for i in range(sides):
+        j = (i + 1) % sides
+        faces += [(i, sides, j), (i, j, sides + 1)]
+    return Mesh(np.vstack((rim, ends)).astype(np.float32), np.array(faces, np.uint32))
+
+
+def outline(corners_m: NDArray[np.floating], z_m: float) -> Floats:
+    """Return the sides of an area as line segments (n, 2, 3), at one height; ``corners_m`` (n, 2)."""
+    ring = np.column_stack((corners_m, np.full(len(corners_m), z_m))).astype(np.float32)
+    return np.stack((ring, np.roll(ring, -1, axis=0)), axis=1)
+
+
 def upright(count: int) -> Floats:
     """Return the quaternions (w, x, y, z) of that many unturned instances, shape (count, 4)."""
     return np.tile(np.array([1.0, 0.0, 0.0, 0.0], np.float32), (count, 1))

@@ -8,8 +8,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from robots.estimation.radio.walls import count_walls
 from robots.se2 import Array
-from robots.sim.channel import count_walls
 from robots.sim.world import Cells, Mask
 
 

@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 
 from robots.config import RadioConfig
 from robots.estimation.radio.model import NODE, UHF, RadioModel, radio_for
-from robots.sim.channel import WALL_DB, Channel
+from robots.estimation.radio.walls import WALL_DB
+from robots.sim.channel import Channel
 from robots.sim.tags import TagField
 from robots.sim.world import GLASS, SMOKE, WALL, World
 

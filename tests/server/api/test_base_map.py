@@ -93,5 +93,59 @@ def test_the_story_of_a_base_map(make_control, tmp_path, drive):
     assert copied["source"] == "SCHOOL"
     assert copied["explored_m2"] > 5.0
     assert next_one.get("/georeference")["lat_deg"] == 48.0
+    entry = next(e for e in next_one.get("/audit")["entries"] if e["action"] == "copy_base_map")
+    assert next_one.call("POST", f"/audit/{entry['audit_id']}/undo").status_code == 204
+    assert next_one.refused("GET", "/base-map")[0] == 404  # what came with it goes with it
+    assert next_one.refused("GET", "/georeference")[0] == 404
     assert line.call("DELETE", "/base-map").status_code == 204
     assert line.refused("GET", "/base-map")[0] == 404
+
+
+def test_changes_of_a_base_map_are_taken_back(make_control, tmp_path):
+    control = make_control(tmp_path)
+    line = control.open("school")
+
+    def last(action):
+        return next(e for e in line.get("/audit")["entries"] if e["action"] == action)
+
+    def undo(entry):
+        return line.call("POST", f"/audit/{entry['audit_id']}/undo").status_code
+
+    def lay(source):
+        line.call("PUT", "/base-map", content=plan(), params={"yaml": YAML, "source": source})
+        return line.get("/base-map")
+
+    def same(shown, kept):
+        return {**shown, "version": 0, "png": ""} == {**kept, "version": 0, "png": ""}
+
+    first = lay("first.pgm")
+    laid_first = last("put_base_map")
+    second = lay("second.pgm")
+    laid_second = last("put_base_map")
+    line.call("DELETE", "/base-map")
+    removed = last("delete_base_map")
+    # only the newest change, and across a restart
+    assert line.refused("POST", f"/audit/{laid_second['audit_id']}/undo")[:2] == (409, "changed_since")
+    control.stop()
+    control.start()
+    assert undo(removed) == 204
+    assert same(line.get("/base-map"), second)
+    assert control.call("GET", line.get("/base-map")["png"].removeprefix("/api/v1")).status_code == 200
+    assert undo(laid_second) == 204
+    assert same(line.get("/base-map"), first)
+    assert undo(laid_first) == 204
+    assert line.refused("GET", "/base-map")[0] == 404
+    assert [e["text"] for e in line.events("base_map")].count(
+        "operator took a change of the base map back."
+    ) == 3
+
+    lay("third.pgm")
+    for k in range(9):
+        lay(f"{k}.pgm")
+    oldest = [e for e in line.get("/audit")["entries"] if e["action"] == "put_base_map"][8]
+    assert oldest["after"]["base_map"]["source"] == "0.pgm"
+    # only the last eight are kept
+    for entry in [e for e in line.get("/audit")["entries"] if e["action"] == "put_base_map"][:8]:
+        assert undo(entry) == 204
+    assert line.get("/base-map")["source"] == "0.pgm"
+    assert line.refused("POST", f"/audit/{oldest['audit_id']}/undo")[:2] == (409, "not_kept")

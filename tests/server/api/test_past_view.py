@@ -34,7 +34,7 @@ def test_a_scene_shows_the_moment_that_is_asked_for(driven, wait_until):
         assert page(driven, key) == 200
         for share in (0.9, 0.5, 0.0):
             moment = index["begins_unix_s"] + share * (index["ends_unix_s"] - index["begins_unix_s"])
-            socket.send(str(moment))
+            socket.send(json.dumps({"unix_s": moment}))
             assert json.loads(socket.recv(timeout=20))["shown_unix_s"] == moment
             robot = driven.get(f"/history/state?unix_s={moment}")["state"].get("robot/r1")
             place = drawn(driven, key)
@@ -48,7 +48,7 @@ def test_a_scene_shows_the_moment_that_is_asked_for(driven, wait_until):
 
 def test_scenes_are_limited_and_nonsense_ends_them(driven, wait_until):
     scenes = driven.control._app.state.scenes
-    for nonsense in ("nan", "inf", "-1", "x", "9" * 100):
+    for nonsense in ("nan", "7", '{"unix_s": -1}', '{"unix_s": NaN}', "x", '{"unix_s": 1e12}', "9" * 2000):
         with view(driven) as socket:
             socket.recv(timeout=10)
             socket.send(nonsense)

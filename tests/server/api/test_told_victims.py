@@ -9,7 +9,7 @@ import pytest
 from robots.tags.marks import victim_mark
 from robots.tags.memory import TagMemory
 from robots.tags.sealed import close_memory
-from tests.server.conftest import START
+from tests.server.control import START
 
 FROM_TAG = (3.0, -1.5)  # metres north and west of the tag
 

@@ -1,5 +1,8 @@
 """The report says what happened, holds all it needs, and runs nothing but its own script."""
 
+import asyncio
+import base64
+import io
 import json
 import re
 from html.parser import HTMLParser
@@ -8,9 +11,14 @@ from uuid import uuid4
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from PIL import Image
 
+from db.photos import PhotoRecord, Pictures
+from db.records import MissionRecord
+from db.store import Store
 from server.cli.main import run
 from server.report.html import Html, duration, table, tag, text
+from server.report.photos import gather
 
 HOSTILE = '</script></style><script>window.hacked = 1</script><img src=x onerror="hacked=1"> \'&amp; ]]>'
 VOID = {"meta", "br", "img"}
@@ -43,6 +51,12 @@ class Reader(HTMLParser):
         return " ".join(" ".join(self.words).split())
 
 
+def jpeg(width):
+    file = io.BytesIO()
+    Image.new("RGB", (width, 30), (200, 30, 30)).save(file, "JPEG")
+    return file.getvalue()
+
+
 @pytest.fixture(scope="module")
 def report(control, drive):
     """The report of a mission in which people did all that they can do."""
@@ -64,6 +78,12 @@ def report(control, drive):
         assert line.call("PATCH", f"/victims/{victim}", words).is_success
     for alert in line.get("/alerts")["alerts"]:
         line.call("POST", f"/alerts/{alert['alert_id']}/acknowledge")
+    for k, of in enumerate(({"victim_id": victim}, {"x_m": 1.0, "y_m": 2.0}, {"x_m": 3.0, "y_m": 3.0})):
+        words = {"photo_id": str(uuid4()), "text": f"shot {k} {HOSTILE}", **of}
+        kind = {"Content-Type": "image/jpeg"}
+        sent = line.call("POST", "/photos", params=words, content=jpeg(40 * (k + 1)), headers=kind)
+        assert sent.is_success, sent.text
+    line.call("DELETE", f"/photos/{words['photo_id']}")  # what was taken away is not handed over
     line.call("POST", "/stop", {"robots": None})
     response = line.call("GET", "/report.html")
     assert response.status_code == 200
@@ -97,7 +117,7 @@ def test_it_needs_nothing_beside_itself_and_runs_only_its_script(report):
     for name, key, value in page.attributes:
         assert not key.startswith("on"), (name, key)
         if key in ("src", "href", "action", "data", "srcset"):
-            assert value.startswith("data:image/png;base64,"), (name, key)
+            assert value.startswith(("data:image/png;base64,", "data:image/jpeg;base64,")), (name, key)
     assert not {"link", "iframe", "object", "embed", "form", "base"} & set(page.elements)
     assert "url(" not in response.text.split("<style>")[1].split("</style>")[0]
     policy = response.headers["content-security-policy"]
@@ -159,3 +179,36 @@ def test_durations_are_told_in_words():
     assert [duration(s) for s in (0, 59.4, 60, 3599, 3600, 7260)] == [
         "0 s", "59 s", "1 min 00 s", "59 min 59 s", "1 h 00 min", "2 h 01 min",
     ]  # fmt: skip
+
+
+def test_photos_are_within_the_report_with_who_and_when(report):
+    _, _, response = report
+    page = Reader(response.text)
+    pictures = [value for name, key, value in page.attributes if (name, key) == ("img", "src")]
+    sizes = []
+    for address in pictures:
+        head, body = address.split(",")
+        assert head == "data:image/jpeg;base64"
+        sizes.append(Image.open(io.BytesIO(base64.b64decode(body))).size)
+    assert sizes == [(40, 30), (80, 30)]  # the victim's first; not the one that was taken away
+    assert re.search(rf"shot 0 {re.escape(HOSTILE)}\. operator, \d\d:\d\d:\d\d", page.text)
+    assert "At 1.0 / 2.0 m. shot 1" in page.text
+    assert response.text.index("shot 0") < response.text.index("<h2>Robots")
+
+
+def test_a_report_takes_as_many_photos_as_it_can_carry_those_of_victims_first(tmp_path):
+    async def scenario():
+        store = await Store.open(tmp_path / "m.db")
+        await store.missions.create_mission(MissionRecord("m", "M", "running", 0.0))
+        for k in range(6):
+            of = ("v", None, None, None, None) if k == 1 else (None, None, None, 1.0, 1.0)
+            photo = PhotoRecord(str(k), f"{k}", 1, 1, "", *of, "Ada", None, float(k))
+            await store.photos.record_photo("m", photo, Pictures(b"", bytes(100)))
+        album = await gather(store, "m", max_bytes=350)
+        assert [shot.photo.photo_id for shot in album.shots] == ["1", "4", "5"]
+        assert album.left_out == 3
+        assert [shot.photo.photo_id for shot in album.of_others(["v"])] == ["4", "5"]
+        assert len((await gather(store, "m")).shots) == 6
+        await store.close()
+
+    asyncio.run(scenario())

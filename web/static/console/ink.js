@@ -5,6 +5,7 @@ import { robotColor } from "./color.js";
 import { ellipse } from "./format.js";
 import { drawFrontiers } from "./frontiers.js";
 import { drawGridReference } from "./grid_reference.js";
+import { isDoubted } from "./labels.js";
 import { drawMeasured } from "./measure.js";
 import { drawAreas } from "./notes.js";
 import { drawResponders } from "./responders.js";
@@ -13,7 +14,7 @@ import { drawResponders } from "./responders.js";
 /** @import {View} from "./canvas_layer.js" */
 
 
-const LABEL_FROM_PX_PER_M = 16;
+const CLOSE_PX_PER_M = 16;
 const GRID_STEPS_M = [1, 5, 10, 50, 100, 500];
 
 /**
@@ -139,11 +140,6 @@ function drawPlan(ctx, view, store) {
   }
 }
 
-/** @param {import("./types.js").Tag} tag */
-function isDoubted(tag) {
-  return (tag.state ?? "sound") !== "sound";
-}
-
 /**
  * Tags that are not where all readings put them: hollow, dashed and larger, so that no colour is needed to tell.
  *
@@ -184,7 +180,7 @@ function diamond(ctx, x, y, radius) {
  */
 function drawTags(ctx, view, store) {
   const radius = Math.min(5.5, Math.max(2, view.scale * 0.14));
-  const isClose = view.scale >= LABEL_FROM_PX_PER_M;
+  const isClose = view.scale >= CLOSE_PX_PER_M;
   const drawn = [];
   const taken = new Set();
   for (const tag of store.shown.tags.values()) {
@@ -206,10 +202,6 @@ function drawTags(ctx, view, store) {
   ctx.fill();
   drawDoubtedTags(ctx, drawn.filter(({ tag }) => isDoubted(tag)), radius + 1.5);
   if (store.selected?.kind === "tag") drawSelected(ctx, drawn.find(({ tag }) => tag.tag_id === store.selected?.id));
-  if (!isClose) return;
-  const alerted = new Set(store.layers.sensors ? [...store.alerts.values()].map((alert) => alert.tag_id ?? "") : []);
-  const named = drawn.filter(({ tag }) => !alerted.has(tag.tag_id)); // an alert's mark has the name already
-  drawTagLabels(ctx, view, named, radius, store.layers.sensors ? store.nodes : null);
 }
 
 /**
@@ -244,44 +236,6 @@ function drawSelected(ctx, place) {
   ctx.beginPath();
   ctx.arc(place.x, place.y, 11, 0, 2 * Math.PI);
   ctx.stroke();
-}
-
-/** @param {number | null | undefined} perMin degrees */
-const arrow = (perMin) => (perMin == null || Math.abs(perMin) < 0.5 ? "" : perMin > 0 ? "↑" : "↓");
-
-/**
- * @param {import("./types.js").Tag} tag
- * @param {import("./types.js").Node | undefined} node
- */
-function labelOf(tag, node) {
-  const id = isDoubted(tag) ? `${tag.tag_id} ${tag.state}` : tag.tag_id;
-  return node?.temperature_c == null ? id : `${id} ${Math.round(node.temperature_c)}°${arrow(node.temperature_c_per_min)}`;
-}
-
-/**
- * Ids beside their tags, leaving out those that would cover an earlier one.
- * @param {CanvasRenderingContext2D} ctx
- * @param {View} view
- * @param {{tag: import("./types.js").Tag, x: number, y: number}[]} drawn
- * @param {number} radius
- * @param {Map<string, import("./types.js").Node> | null} sensors
- */
-function drawTagLabels(ctx, view, drawn, radius, sensors) {
-  ctx.font = `600 ${Math.round(11 * view.text)}px ui-monospace, SFMono-Regular, Menlo, Consolas, monospace`;
-  ctx.textBaseline = "middle";
-  ctx.lineWidth = 3;
-  ctx.strokeStyle = color("halo");
-  ctx.fillStyle = color("tag");
-  const placed = /** @type {[number, number, number][]} */ ([]);
-  for (const { tag, x, y } of drawn) {
-    const left = x + radius + 4;
-    const text = labelOf(tag, sensors?.get(tag.tag_id));
-    const width = ctx.measureText(text).width;
-    if (placed.some(([l, t, w]) => Math.abs(t - y) < 13 * view.text && left < l + w + 6 && l < left + width + 6)) continue;
-    placed.push([left, y, width]);
-    ctx.strokeText(text, left, y);
-    ctx.fillText(text, left, y);
-  }
 }
 
 /**

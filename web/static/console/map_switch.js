@@ -102,8 +102,6 @@ export const drawEnds = (store) =>
    */
   (ctx, view) => {
     if (!store.best.isShown || !store.layers.trails) return;
-    ctx.font = `600 ${Math.round(13 * view.text)}px system-ui, sans-serif`;
-    ctx.textBaseline = "middle";
     for (const robot of store.best.content?.robots ?? []) {
       if (!robot.located) continue;
       const [x, y] = [view.toX(robot.x_m), view.toY(robot.y_m)];
@@ -115,10 +113,5 @@ export const drawEnds = (store) =>
         ctx.lineWidth = width;
         ctx.stroke();
       }
-      ctx.strokeStyle = color("halo");
-      ctx.lineWidth = 4;
-      ctx.strokeText(robot.robot_id, x + 12, y);
-      ctx.fillStyle = own;
-      ctx.fillText(robot.robot_id, x + 12, y);
     }
   };

@@ -1,8 +1,10 @@
 /** Robots, victims, alerts and notes on the plan: real elements, so that they can be clicked, focused and read out. */
 
 import { robotStyle } from "./color.js";
-import { ellipse, percent } from "./format.js";
-import { alarming, ALERT_KINDS, alertByTag, isOpen } from "./node_sensors.js";
+import { ellipse } from "./format.js";
+import { alertWords, noteWords, robotSize, robotWords, victimWords } from "./labels.js";
+import { noteShape, robotShape, victimShape } from "./mark_shapes.js";
+import { ALERT_KINDS, alertByTag, isOpen } from "./node_sensors.js";
 import { openPhoto, placedPhotos } from "./photos.js";
 import { L } from "./vendor.js";
 import { NOTE_KINDS } from "./note_kinds.js";
@@ -12,23 +14,25 @@ import { statusOf } from "./victim_status.js";
 /** @import {Alert, Annotation, Robot, Victim} from "./types.js" */
 /** @import {Store} from "./store.js" */
 
-const SVG = "http://www.w3.org/2000/svg";
+const POINTED_AT = { dx: 0, dy: 28 }; // where a name without room comes up
 const GLIDE_MS = 220; // poses come a few times a second: glide between them
 
 /**
  * @typedef {{marker: import("leaflet").Marker, root: HTMLElement, parts: Record<string, HTMLElement | SVGElement>,
- *   from: number[], to: number[], startedAt: number}} Mark
+ *   from: number[], to: number[], startedAt: number, named: string}} Mark
  */
 
 export class Marks {
   /**
    * @param {import("leaflet").Map} map
    * @param {Store} store
+   * @param {import("./labels.js").Labels} labels
    * @param {(selected: {kind: "robot" | "victim" | "tag" | "note", id: string}) => void} onSelect
    */
-  constructor(map, store, onSelect) {
+  constructor(map, store, labels, onSelect) {
     this.map = map;
     this.store = store;
+    this.labels = labels;
     this.onSelect = onSelect;
     /** @type {Map<string, Mark>} */
     this.marks = new Map();
@@ -79,10 +83,10 @@ export class Marks {
     mark.root.dataset.robot = robot.robot_id;
     mark.root.classList.toggle("stopped", robot.stopped);
     mark.root.classList.toggle("selected", this.store.isSelectedRobot(robot.robot_id));
-    mark.parts.name.textContent = robot.robot_id;
+    this.#name(mark, key, robotWords(robot));
     mark.root.setAttribute("aria-label", `Robot ${robot.robot_id}, link ${link}${robot.stopped ? ", stopped" : ""}`);
     const scale = 2 ** this.map.getZoom();
-    mark.root.style.setProperty("--size", `${Math.min(60, Math.max(26, 0.7 * scale))}px`);
+    mark.root.style.setProperty("--size", `${robotSize(scale)}px`);
     shapeEllipse(mark.parts.sigma, robot.covariance, scale, this.store.layers.uncertainty);
     this.#moveTo(mark, [robot.x_m, robot.y_m, robot.yaw_rad]);
     return key;
@@ -97,7 +101,7 @@ export class Marks {
     mark.root.dataset.status = victim.status;
     mark.root.dataset.victim = victim.victim_id;
     mark.parts.glyph.textContent = status.glyph;
-    mark.parts.name.textContent = `${victim.victim_id} · ${percent(victim.confidence)}`;
+    this.#name(mark, key, victimWords(victim));
     mark.root.classList.toggle(
       "selected", this.store.selected?.kind === "victim" && this.store.selected.id === victim.victim_id);
     mark.root.setAttribute(
@@ -119,7 +123,7 @@ export class Marks {
     mark.root.dataset.alert = tagId;
     mark.root.classList.toggle("noted", !isOpen(alert));
     mark.parts.glyph.textContent = ALERT_KINDS[alert.kind]?.glyph ?? "!";
-    mark.parts.name.textContent = `${tagId} · ${alarming(alert, this.store.nodes.get(tagId))}`;
+    this.#name(mark, key, alertWords(alert, this.store));
     mark.root.setAttribute("aria-label", `${mark.parts.name.textContent}: ${alert.text}`);
     this.#moveTo(mark, [tag.x_m, tag.y_m, 0]);
     return key;
@@ -138,7 +142,7 @@ export class Marks {
       this.onSelect({ kind: "note", id }));
     mark.root.classList.toggle("selected", this.store.selected?.kind === "note" && this.store.selected.id === id);
     mark.root.dataset.kind = annotation.kind;
-    mark.parts.name.textContent = annotation.text || annotation.kind;
+    this.#name(mark, key, noteWords(annotation));
     mark.parts.glyph.textContent = NOTE_KINDS[annotation.kind]?.glyph ?? "i";
     mark.root.setAttribute("aria-label", `${annotation.kind}: ${annotation.text}`);
     this.#moveTo(mark, [x_m, y_m, 0]);
@@ -159,6 +163,18 @@ export class Marks {
     mark.root.setAttribute("aria-label", photos.length > 1 ? `${photos.length} photos` : `Photo: ${photos[0].text || subject}`);
     this.#moveTo(mark, [x_m, y_m, 0]);
     return key;
+  }
+
+  /** What a mark is called, where there is room for it; else only while it is pointed at. @param {Mark} mark @param {string} key @param {string} words */
+  #name(mark, key, words) {
+    const place = this.labels.at(key);
+    const named = `${place?.dx} ${place?.dy} ${words}`;
+    if (named === mark.named) return;
+    mark.named = named;
+    mark.parts.name.textContent = words;
+    mark.root.classList.toggle("unnamed", !place);
+    const { dx, dy } = place ?? POINTED_AT;
+    mark.parts.name.style.translate = `${dx.toFixed(1)}px ${dy.toFixed(1)}px`;
   }
 
   /**
@@ -186,7 +202,7 @@ export class Marks {
       });
     } else root.setAttribute("role", "img");
     /** @type {Mark} */
-    const mark = { marker, root, parts, from: [], to: [], startedAt: 0 };
+    const mark = { marker, root, parts, from: [], to: [], startedAt: 0, named: "" };
     this.marks.set(key, mark);
     return mark;
   }
@@ -260,34 +276,4 @@ function shapeEllipse(element, covariance, scale, isShown) {
   element.style.width = `${2 * major_m * scale}px`;
   element.style.height = `${2 * minor_m * scale}px`;
   element.style.transform = `translate(-50%, -50%) rotate(${-angle_rad}rad)`;
-}
-
-/** @param {string} className */
-function span(className) {
-  const element = document.createElement("span");
-  element.className = className;
-  return element;
-}
-
-/** @param {string} robotId */
-function robotShape(robotId) {
-  const arrow = document.createElementNS(SVG, "svg");
-  arrow.setAttribute("viewBox", "0 0 32 32");
-  arrow.setAttribute("class", "arrow");
-  const path = document.createElementNS(SVG, "path");
-  path.setAttribute("d", "M16 2.5 27 27.5Q27.4 28.9 26 28.3L16 23.6 6 28.3Q4.6 28.9 5 27.5Z");
-  arrow.append(path);
-  const name = span("name");
-  name.textContent = robotId;
-  return { sigma: span("sigma"), arrow, name };
-}
-
-function victimShape() {
-  return { sigma: span("sigma"), ...noteShape() };
-}
-
-function noteShape() {
-  const glyph = span("glyph");
-  glyph.ariaHidden = "true";
-  return { glyph, name: span("name") };
 }

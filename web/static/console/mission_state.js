@@ -1,6 +1,7 @@
 /** How the mission stands, what that means, and taking it to its next state. */
 
 import { missionPath, request } from "./api.js";
+import { BaseMapLines } from "./base_map.js";
 import { missionClock, timeOfDay } from "./format.js";
 import { openGeoreference } from "./georeference.js";
 import { html } from "./vendor.js";
@@ -57,7 +58,7 @@ export function MissionMenu({ store }) {
       ${!store.isOver && store.may("operator") && html`<button type="button" onClick=${(/** @type {any} */ event) => {
         event.currentTarget.closest("details").open = false;
         openGeoreference(store);
-      }}>Place on the Earth…</button>`}
+      }}>Place on the Earth…</button><${BaseMapLines} store=${store} />`}
       <a href="/missions">All missions</a>
     </div></details>`;
 }

@@ -2,6 +2,7 @@
 
 import { shownTheme } from "../theme.js";
 import { missionPath } from "./api.js";
+import { socketAddress, takeClick, wishOf } from "./view_link.js";
 
 /** @import {Store} from "./store.js" */
 
@@ -20,6 +21,7 @@ export class PastScene {
     /** @type {HTMLElement | null} */
     this.cover = null;
     this.sent_s = 0;
+    this.sentWish = "";
     this.isWaiting = true;
     store.subscribe(() => this.update());
   }
@@ -33,10 +35,13 @@ export class PastScene {
     if (!this.cover) this.#enter(missionId);
     // The live scene, once loaded, takes the whole pane.
     if (this.cover && !this.cover.isConnected) this.root.append(this.cover);
-    if (this.isWaiting || this.sent_s === past.at_s || this.socket?.readyState !== WebSocket.OPEN) return;
+    if (this.socket?.readyState !== WebSocket.OPEN) return;
+    const wish = JSON.stringify(wishOf(this.store));
+    if (wish !== this.sentWish) this.socket.send((this.sentWish = wish));
+    if (this.isWaiting || this.sent_s === past.at_s) return;
     this.isWaiting = true; // until the scene has got there: it is never asked for more than it can draw
     this.sent_s = past.at_s;
-    this.socket.send(String(past.at_s));
+    this.socket.send(JSON.stringify({ unix_s: past.at_s }));
   }
 
   /** @param {string} missionId */
@@ -46,15 +51,19 @@ export class PastScene {
     this.#say("Bringing the past into 3D.");
     this.root.append(this.cover);
     this.isWaiting = true;
-    const scheme = location.protocol === "https:" ? "wss" : "ws";
-    const socket = new WebSocket(`${scheme}://${location.host}/api/v1${missionPath(missionId)}/history/view?theme=${shownTheme()}`);
+    this.sentWish = "";
+    const socket = new WebSocket(socketAddress(`${missionPath(missionId)}/history/view?theme=${shownTheme()}`));
     socket.onmessage = (event) => this.#receive(JSON.parse(event.data));
     socket.onclose = (event) => this.#say(`The past cannot be shown in 3D: ${event.reason || "the server does not answer"}. The plan shows it.`);
     this.socket = socket;
   }
 
-  /** @param {{scene?: string}} message */
-  #receive({ scene }) {
+  /** @param {{scene?: string, clicked?: {kind: string, id: string}}} message */
+  #receive({ scene, clicked }) {
+    if (clicked) {
+      takeClick(this.store, clicked);
+      return;
+    }
     if (scene) {
       const frame = document.createElement("iframe");
       frame.title = "The mission's past in 3D";

@@ -4,6 +4,7 @@ import { Building } from "./building.js";
 import { canvasLayer } from "./canvas_layer.js";
 import { GroundLayers } from "./ground.js";
 import { drawGround, drawInk } from "./ink.js";
+import { Labels } from "./labels.js";
 import { Marks } from "./marks.js";
 import { drawEnds } from "./map_switch.js";
 import { addPoint } from "./measure.js";
@@ -58,6 +59,8 @@ export class Plan {
     this.told = canvasLayer("layers", (ctx, view) => this.layers.draw(ctx, view)).addTo(this.map);
     this.ink = canvasLayer("ink", drawInk(store)).addTo(this.map);
     this.ends = canvasLayer("ink", drawEnds(store)).addTo(this.map);
+    this.labels = new Labels(store, this.map);
+    this.names = canvasLayer("ink", (ctx, view) => this.labels.draw(ctx, view)).addTo(this.map);
     this.building = new Building(this.map, store, {
       of: () => store.live.map,
       isShown: () => !store.best.isShown && !store.past.board,
@@ -79,7 +82,7 @@ export class Plan {
       isShown: () => store.best.isShown,
       onFree: () => {},
     });
-    this.marks = new Marks(this.map, store, (selected) => store.select(selected));
+    this.marks = new Marks(this.map, store, this.labels, (selected) => store.select(selected));
     this.map.on("dragstart", () => this.#setMode("free"));
     root.addEventListener("wheel", () => this.mode === "fit" && this.#setMode("free"), { passive: true });
     this.map.on("zoom move", () => store.changed());
@@ -112,11 +115,13 @@ export class Plan {
     this.layers.update();
     this.told.refresh();
     this.past.update();
+    this.labels.arrange(this.cursor?.tag ?? "");
     this.marks.update();
     this.ground.refresh();
     this.sectors.refresh();
     this.ink.refresh();
     this.ends.refresh();
+    this.names.refresh();
     if (this.mode === "fit") this.#fit();
     if (this.mode === "follow") this.#follow();
   }
@@ -172,6 +177,7 @@ export class Plan {
 
   /** Put what is selected into the middle of the view. */
   centreOnSelected() {
+    this.store.centred += 1;
     const place = this.#selectedAt();
     if (!place?.every(Number.isFinite)) return;
     if (this.mode === "fit") this.#setMode("free");
@@ -187,6 +193,7 @@ export class Plan {
   #setMode(mode) {
     if (mode === this.mode) return;
     this.mode = mode;
+    this.store.follows = mode === "follow";
     this.store.changed();
   }
 

@@ -2,6 +2,9 @@
 
 import { shownTheme } from "../theme.js";
 import { fetchChecked } from "./api.js";
+import { ViewLink } from "./view_link.js";
+
+const NO_WEBGL = "none";
 
 /** @import {Store} from "./store.js" */
 
@@ -15,24 +18,42 @@ export class Scene {
     this.store = store;
     /** Address of what is loaded. */
     this.shown = "";
+    /** @type {ViewLink | null} */
+    this.link = null;
     store.subscribe(() => this.update());
   }
 
   /** Load the mission's scene when it should be visible and is not there yet. */
   update() {
     const { missionId, view, connection } = this.store;
-    const address = `/viser/${encodeURIComponent(missionId ?? "")}/${shownTheme()}/`;
-    if (view === "plan" || !missionId || address === this.shown || connection.state !== "live") return;
+    this.link?.update();
+    if (view === "plan" || !missionId || connection.state !== "live") return;
+    if (this.link?.missionId !== missionId && !this.#sitDown(missionId)) return;
+    const address = `/viser/${encodeURIComponent(this.link?.scene ?? "")}/${shownTheme()}/`;
+    if (!this.link?.scene || address === this.shown) return;
     this.shown = address;
     this.#load(address);
   }
 
+  /** Whether the view can be there at all. @param {string} missionId */
+  #sitDown(missionId) {
+    if (this.shown === NO_WEBGL) return false;
+    if (!document.createElement("canvas").getContext("webgl2")) {
+      this.shown = NO_WEBGL;
+      this.#say("No 3D in this browser", "It has no WebGL, or that is turned off. The plan shows the same and works without it.");
+      return false;
+    }
+    this.link?.close();
+    this.#say("Loading the 3D view", "The scene is being fetched.");
+    this.link = new ViewLink(this.store, missionId, (reason) => {
+      if (reason) this.#say("The 3D view is not available", `It cannot be opened: ${reason}. It is tried again; the plan works without it.`);
+      this.update();
+    });
+    return true;
+  }
+
   /** @param {string} address */
   async #load(address) {
-    if (!document.createElement("canvas").getContext("webgl2")) {
-      this.#say("No 3D in this browser", "It has no WebGL, or that is turned off. The plan shows the same and works without it.");
-      return;
-    }
     this.#say("Loading the 3D view", "The scene is being fetched.");
     try {
       await fetchChecked(address, { method: "HEAD" });

@@ -157,6 +157,20 @@ export function sectorAt(store, x, y) {
   }, false)).sort((a, b) => a.size_m2 - b.size_m2)[0];
 }
 
+/**
+ * What a sector is called on the plan: at its topmost corner, inside it, where it is wide enough.
+ * @param {Sector} sector @param {number} scale pixels a metre
+ */
+export function sectorName(sector, scale) {
+  const [, sign, ink] = STATUSES[sector.status];
+  const xs = sector.area_m.map(([x]) => x);
+  const [left, right] = [Math.min(...xs), Math.max(...xs)];
+  const [x_m, y_m] = sector.area_m.reduce((best, corner) => (corner[1] > best[1] ? corner : best));
+  const sides = x_m < (left + right) / 2 ? ["se", "sw", "s", "ne"] : ["sw", "se", "s", "nw"];
+  const text = (right - left) * scale < SMALLEST_NAME_PX ? "" : `${sign} ${sector.name}${whoOf(sector) && ` · ${whoOf(sector)}`}`;
+  return { x_m, y_m, sides, text, ink };
+}
+
 /** @param {Store} store */
 export const drawSectors = (store) =>
   /** @param {CanvasRenderingContext2D} ctx @param {View} view */
@@ -167,7 +181,7 @@ export const drawSectors = (store) =>
 
 /** @param {CanvasRenderingContext2D} ctx @param {View} view @param {Sector} sector @param {boolean} isOpen */
 function drawOne(ctx, view, sector, isOpen) {
-  const [, sign, name] = STATUSES[sector.status];
+  const [, , name] = STATUSES[sector.status];
   const at = sector.area_m.map(([x_m, y_m]) => [view.toX(x_m), view.toY(y_m)]);
   ctx.beginPath();
   at.forEach(([x, y], k) => (k ? ctx.lineTo(x, y) : ctx.moveTo(x, y)));
@@ -180,15 +194,4 @@ function drawOne(ctx, view, sector, isOpen) {
   ctx.setLineDash(sector.status === "searched" ? [] : [10, 5]);
   ctx.stroke();
   ctx.setLineDash([]);
-  const [left, right] = [Math.min(...at.map(([x]) => x)), Math.max(...at.map(([x]) => x))];
-  if (right - left < SMALLEST_NAME_PX) return;
-  const [x, y] = at.reduce((best, corner) => (corner[1] < best[1] ? corner : best));
-  ctx.font = `700 ${Math.round(14 * view.text)}px system-ui, sans-serif`;
-  ctx.textBaseline = "top";
-  ctx.lineWidth = 4;
-  ctx.strokeStyle = color("halo");
-  const words = `${sign} ${sector.name}${whoOf(sector) && ` · ${whoOf(sector)}`}`;
-  const start = Math.min(x + 6, right - ctx.measureText(words).width - 6);
-  ctx.strokeText(words, start, y + 6);
-  ctx.fillText(words, start, y + 6);
 }

@@ -70,6 +70,9 @@ export class Store {
     /** What the next click on the plan is for: whom it is about, and what is done with the place. */
     /** @type {{id: string, kind: string, then: (place: {x_m: number, y_m: number}) => void} | null} */
     this.picking = null;
+    /** Whether the views go along with what is selected, and how often that was put into their middle. */
+    this.follows = false;
+    this.centred = 0;
     /** What is being written on the map. @type {import("./notes.js").Draft | null} */
     this.draft = null;
     /** Corners of what is being measured, x and y in metres. @type {[number, number][] | null} */

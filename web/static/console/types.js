@@ -39,7 +39,7 @@
  * @typedef {{annotation_id?: string, kind: string, text: string, x_m?: number | null, y_m?: number | null,
  *   tag_id?: string | null, area_m: [number, number][], by: string, changed_unix_s: number}} Annotation
  * @typedef {{version: number, width: number, height: number, resolution_m: number, origin_m: [number, number], explored_m2: number,
- *   png: string}} MapInfo
+ *   png: string, source?: string, by?: string}} MapInfo
  * @typedef {{state: "none" | "solving" | "ready" | "failed", reason: string, asked_unix_s: number | null,
  *   robots_done: number, robots_total: number, solved_unix_s: number | null, explored_m2: number | null,
  *   map: MapInfo | null, as_of: {robot_id: string, seq: number, stamp_s: number, distance_m: number}[],

@@ -126,6 +126,15 @@ export const DE = {
   },
   use_compass: "Kompass und Schrittzähler benutzen",
   plan_label: "Plan um Marke {tag}, Norden oben",
+  fix_near: "Sie sind etwa {far} nach {way} von Marke {tag}, auf {doubt} genau.",
+  fix_at: "Sie sind an Marke {tag}, auf {doubt} genau.",
+  fix_or_near: "Oder etwa {far} nach {way} von Marke {tag}, auf {doubt} genau.",
+  fix_or_at: "Oder an Marke {tag}, auf {doubt} genau.",
+  fix_walk: "Beides passt zu dem, was zu hören ist: einige Schritte gehen und noch einmal fragen.",
+  fix_ring: "Sie sind etwa {far} von Knoten {tag} entfernt, Richtung unbekannt, auf {doubt} genau. Ein weiterer Knoten würde zeigen, wo.",
+  fix_misfit: "Was zu hören ist, passt nicht zusammen: Trauen Sie dem weniger.",
+  fix_left_out: "Knoten {tag} widerspricht allen anderen und zählt nicht mit: Er wurde vielleicht bewegt.",
+  fix_unknown: "Knoten {tag} ist nicht auf der Karte.",
 
   // what a tag's memory says
   memory: "Im Speicher dieser Marke",

@@ -125,6 +125,15 @@ export const EN = {
   },
   use_compass: "Use compass and step counter",
   plan_label: "Plan round tag {tag}, north up",
+  fix_near: "You are about {far} {way} of tag {tag}, give or take {doubt}.",
+  fix_at: "You are at tag {tag}, give or take {doubt}.",
+  fix_or_near: "Or about {far} {way} of tag {tag}, give or take {doubt}.",
+  fix_or_at: "Or at tag {tag}, give or take {doubt}.",
+  fix_walk: "Both fit what is heard: walk a few steps and ask again.",
+  fix_ring: "You are about {far} from node {tag}, in any direction, give or take {doubt}. One more node would tell where.",
+  fix_misfit: "What is heard does not agree, so trust this less.",
+  fix_left_out: "Node {tag} contradicts all others and was left out: it may have been moved.",
+  fix_unknown: "Node {tag} is not on the map.",
 
   // what a tag's memory says
   memory: "In this tag's memory",

@@ -1,0 +1,80 @@
+"""From what a person's device hears of nodes to ranges, as ``locating.py`` takes them.
+
+The model is the robots' (``model.py``), with what their RSLAM has learnt of these radios so far. A phone is
+another receiver, of unknown gain, held otherwise by everybody: what it hears is off by the same dB for all
+nodes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from math import log
+
+import numpy as np
+
+from robots.config import RadioConfig, RangingConfig
+from robots.estimation.radio.locating import Heard, Radio
+from robots.estimation.radio.model import NEAREST_M, NODE, RadioModel
+from robots.estimation.radio.signal_mean import robust_mean
+from robots.estimation.radio.walls import WALL_DB
+
+GAIN_SD_DB = 4.0  # of phones among each other, and of how they are held
+
+
+@dataclass(frozen=True, slots=True)
+class NodePlace:
+    """A node on the plan, in metres; ``sd_m`` along each axis."""
+
+    node_id: str
+    x_m: float
+    y_m: float
+    sd_m: float
+
+
+@dataclass(frozen=True, slots=True)
+class Ears:
+    """The radio of a mission's nodes, and what was learnt: measured = scale * true + a node's offset."""
+
+    radio: RadioConfig = NODE
+    ranging: RangingConfig = field(default_factory=RangingConfig)
+    scale: float = 1.0
+    offsets_m: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def shared(self) -> Radio:
+        """What all signals have in common, in ln d."""
+        per_db = log(10.0) / (10.0 * self.radio.path_loss_exponent)
+        return Radio(GAIN_SD_DB * per_db, WALL_DB * per_db, self.radio.reach_m)
+
+    def by_signal(self, node: NodePlace, rssis_dbm: Sequence[float]) -> Heard | None:
+        """Return how far off a node sounds by signals heard at one place; None where they do not agree.
+
+        Raises:
+            ValueError: a signal is not finite.
+        """
+        model, value, count = RadioModel(self.radio), float(rssis_dbm[0]), 1
+        if len(rssis_dbm) > 1:
+            mean = robust_mean(np.array(rssis_dbm), self.radio.fading_sd_db)
+            if mean is None:
+                return None
+            value, count = mean.rssi_dbm, mean.readings
+        median_m = min(model.distance_m(value), self.radio.reach_m)  # weaker than there is: walls
+        range_m = self._true(node.node_id, median_m)
+        return Heard(node.node_id, node.x_m, node.y_m, node.sd_m, range_m, model.log_sd(median_m, count))
+
+    def by_range(self, node: NodePlace, ranges_m: Sequence[float]) -> Heard:
+        """Return how far off a node is by ranges measured at one place: their median.
+
+        Raises:
+            ValueError: a range is not finite.
+        """
+        measured = float(np.median(np.array(ranges_m)))
+        if not np.isfinite(measured):
+            raise ValueError("a range has to be a finite number of metres")
+        sd_m = self.ranging.range_sd_m + self.ranging.range_sd_per_m * measured
+        range_m = self._true(node.node_id, measured)
+        return Heard(node.node_id, node.x_m, node.y_m, node.sd_m, range_m, 0.0, sd_m)
+
+    def _true(self, node_id: str, measured_m: float) -> float:
+        return max((measured_m - self.offsets_m.get(node_id, 0.0)) / self.scale, NEAREST_M)

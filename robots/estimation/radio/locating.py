@@ -1,0 +1,287 @@
+"""Where somebody is who hears a few nodes whose places are known, by how far off each of them sounds.
+
+The probability of each place on a grid, drawn finer and finer round what is left of it: rings, two places
+that mirror each other and what walls take away need no approximation. The phone has the same in
+``web/static/phone/locating.js``; both are held to ``tests/vectors/node_places.json``.
+
+A range m to a node at distance d, through w walls that take c each (in ln d):
+    by signal:  ln m ~ N(ln d + c w + g, s^2 + (node's sd / d)^2),  g ~ N(0, gain^2) the receiver's, common
+    in metres:  m ~ N(d, sd^2 + (node's sd)^2)
+g is integrated out (Woodbury). A place has no say of its own but by the plan: who walks is seldom where
+nobody has looked, or in a wall.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from math import exp, hypot, log, sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robots.estimation.radio.likelihood import CELLS, costs_on, pieces_of
+from robots.estimation.radio.model import NEAREST_M
+from robots.se2 import Array
+
+MOST = 12  # readings that are looked at, the nearest
+_BEYOND_SD = 3.0
+_TO_ZOOM, _TO_SPLIT = 1e-4, 1e-2  # of the most probable cell: what is less is left out
+_SHRUNK = 0.5  # of a side: while it shrinks more, it is drawn anew
+_ZOOMS = 14
+_PLACES, _LEAST_SHARE = 6, 0.03
+_HOLLOW = 0.1  # of the most probable cell: a middle that is less is no place
+_FITS_SD = 4.0
+_RING_STEPS = 400
+_NOWHERE = (0.0, 0.0, 1.0, -1.0)
+_NO_BORDERS = np.zeros((0, 4))
+
+_Drawn = tuple[Array, Array]  # costs, and the box they are drawn on
+
+
+@dataclass(frozen=True, slots=True)
+class Heard:
+    """A node in metres of the plan, ``place_sd_m`` along each axis, and how far off it sounds.
+
+    ``log_sd``: of the range's logarithm, by signal; 0 for a range in metres, with ``sd_m``.
+    """
+
+    node_id: str
+    x_m: float
+    y_m: float
+    place_sd_m: float
+    range_m: float
+    log_sd: float
+    sd_m: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Since:
+    """Where they were for certain, and how far they can have walked since; ``sd_m`` of both together."""
+
+    x_m: float
+    y_m: float
+    sd_m: float
+    at_most_m: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Plan:
+    """Classes uint8 (h, w) of the plan, 0 unknown, 1 free, 2 wall; row 0 at the lowest y."""
+
+    classes: NDArray[np.uint8]
+    origin_m: tuple[float, float]
+    resolution_m: float
+
+
+@dataclass(frozen=True, slots=True)
+class Radio:
+    """What all readings share: ``gain_sd`` and ``wall`` in ln d, ``reach_m``."""
+
+    gain_sd: float
+    wall: float
+    reach_m: float
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """One place that fits: mean, covariance (m2) and share; ``is_hollow``: its very middle does not fit."""
+
+    x_m: float
+    y_m: float
+    var_x: float
+    var_xy: float
+    var_y: float
+    share: float
+    is_hollow: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Ring:
+    """All round a node, so far off."""
+
+    node_id: str
+    range_m: float
+    sd_m: float
+
+
+@dataclass(frozen=True, slots=True)
+class Located:
+    """Places, the most probable first, or a ring where one node is all.
+
+    ``left_out``: a node that contradicts all others. ``fits``: the readings agree.
+    """
+
+    places: tuple[Place, ...]
+    ring: Ring | None = None
+    left_out: str | None = None
+    fits: bool = True
+
+
+def locate(
+    heard: Sequence[Heard], radio: Radio, since: Since | None = None, plan: Plan | None = None
+) -> Located:
+    """Return where one may be who hears these nodes, each of them once.
+
+    Raises:
+        ValueError: there is no reading, or a number is not finite.
+    """
+    nearest = sorted(heard, key=lambda each: (each.range_m, each.node_id))[:MOST]
+    if not nearest:
+        raise ValueError("nothing was heard of a node whose place is known")
+    if not np.isfinite(_rows(nearest)).all():
+        raise ValueError("a range or a node's place is no finite number")
+    if len(nearest) == 1 and since is None:
+        return Located((), _ring(nearest[0], radio))
+    found, cost = _places(nearest, radio, since, plan)
+    if cost <= _most_cost(len(nearest)):
+        return Located(found)
+    if len(nearest) > 3:
+        tries = [
+            (*_places([h for h in nearest if h is not out], radio, since, plan)[::-1], out.node_id)
+            for out in nearest
+        ]
+        best = min(tries, key=lambda each: (each[0], each[2]))
+        if best[0] <= _most_cost(len(nearest) - 1):
+            return Located(best[1], None, best[2])
+    wider = cost / max(1, len(nearest) - 2)
+    return Located(tuple(_widened(place, wider) for place in found), fits=False)
+
+
+def _places(
+    heard: Sequence[Heard], radio: Radio, since: Since | None, plan: Plan | None
+) -> tuple[tuple[Place, ...], float]:
+    """Return the places that fit, and what the readings cost (chi-square) at the best."""
+    rows = _rows(heard)
+    drawn: list[_Drawn] = []
+    waiting = [(_box(rows, radio, since), _NO_BORDERS, 0)]
+    while waiting and len(drawn) < _PLACES:
+        box, borders, depth = waiting.pop()
+        costs = _within(_costs(rows, radio, since, plan, box), box, borders)
+        weights = np.exp(-0.5 * (costs - costs.min()))
+        pieces = pieces_of(weights, _TO_SPLIT)
+        top, bottom, left, right = _outline(weights > _TO_ZOOM)
+        if depth < _ZOOMS and len(pieces) > 1:
+            middles = [(box[0] + (c + 0.5) * box[2], box[1] + (r + 0.5) * box[3]) for r, c, *_ in pieces]
+            for k in reversed(range(len(pieces))):
+                new = [(*middles[k], *other) for j, other in enumerate(middles) if j != k]
+                waiting.append((_cut(box, pieces[k][2:]), np.vstack([borders, new]), depth + 1))
+        elif depth < _ZOOMS and max(bottom - top, right - left) + 1 <= _SHRUNK * CELLS:
+            waiting.append((_cut(box, (top, bottom, left, right)), borders, depth + 1))
+        else:
+            drawn.append((costs, box))
+    least = min(float(costs.min()) for costs, _ in drawn)
+    masses = [float(np.exp(-0.5 * (costs - least)).sum() * box[2] * box[3]) for costs, box in drawn]
+    places = [_moments(*each, mass / sum(masses)) for each, mass in zip(drawn, masses, strict=True)]
+    kept = [place for place in places if place.share >= _LEAST_SHARE]
+    chi2 = min(_chi2(rows, radio, plan, *each) for each in drawn)
+    return tuple(sorted(kept, key=lambda place: -place.share)), chi2
+
+
+def _within(costs: Array, box: Array, borders: Array) -> Array:
+    """Leave out cells that are nearer to another piece: ``borders`` (n, 4), own middle and the other's."""
+    xs, ys = _centres(box)
+    x, y = xs[None, :], ys[:, None]
+    for own_x, own_y, other_x, other_y in borders:
+        beyond = (x - other_x) ** 2 + (y - other_y) ** 2 < (x - own_x) ** 2 + (y - own_y) ** 2
+        costs = np.where(beyond, np.inf, costs)
+    return costs
+
+
+def _outline(kept: NDArray[np.bool_]) -> tuple[int, int, int, int]:
+    """Return the first and last row and column of cells that are kept."""
+    rows, columns = np.nonzero(kept)
+    return int(rows.min()), int(rows.max()), int(columns.min()), int(columns.max())
+
+
+def _cut(box: Array, kept: tuple[int, int, int, int]) -> Array:
+    """Return the box of some cells and a quarter as many on all sides: lowest x and y, size of a cell."""
+    top, bottom, left, right = kept
+    aside, above = 1 + (right - left) // 4, 1 + (bottom - top) // 4
+    x, y, size_x, size_y = box
+    wide, high = (right - left + 1 + 2 * aside) * size_x, (bottom - top + 1 + 2 * above) * size_y
+    return np.array([x + (left - aside) * size_x, y + (top - above) * size_y, wide / CELLS, high / CELLS])
+
+
+def _box(rows: Array, radio: Radio, since: Since | None) -> Array:
+    """Return what the readings and the way since allow: lowest x and y, size of a cell."""
+    spread = np.hypot(rows[:, 4], np.where(rows[:, 4] > 0.0, radio.gain_sd, 0.0))
+    reach = rows[:, 3] * np.exp(_BEYOND_SD * spread) + _BEYOND_SD * (rows[:, 5] + rows[:, 2]) + NEAREST_M
+    reach = np.minimum(reach, np.maximum(3.0 * radio.reach_m, rows[:, 3]))
+    middles, halves = rows[:, :2], reach
+    if since is not None:
+        middles = np.vstack([middles, (since.x_m, since.y_m)])
+        halves = np.append(halves, since.at_most_m + _BEYOND_SD * since.sd_m + NEAREST_M)
+    low, high = (middles - halves[:, None]).max(axis=0), (middles + halves[:, None]).min(axis=0)
+    if (high <= low).any():  # they contradict each other
+        k = int(np.argmin(halves))
+        low, high = middles[k] - halves[k], middles[k] + halves[k]
+    return np.concatenate([low, (high - low) / CELLS])
+
+
+def _costs(rows: Array, radio: Radio, since: Since | None, plan: Plan | None, box: Array) -> Array:
+    told = _NOWHERE if since is None else (since.x_m, since.y_m, since.sd_m, since.at_most_m)
+    shared = (radio.gain_sd, radio.wall, radio.reach_m)
+    return np.asarray(costs_on(rows, box, shared, told, *_arrays(plan), True))
+
+
+def _chi2(rows: Array, radio: Radio, plan: Plan | None, costs: Array, box: Array) -> float:
+    """Return what the readings alone cost at the best cell."""
+    row, column = np.unravel_index(int(np.argmin(costs)), costs.shape)
+    here = np.array([box[0] + column * box[2], box[1] + row * box[3], box[2], box[3]])
+    shared = (radio.gain_sd, radio.wall, radio.reach_m)
+    return float(costs_on(rows, here, shared, _NOWHERE, *_arrays(plan), False)[0, 0])
+
+
+def _arrays(plan: Plan | None) -> tuple[NDArray[np.uint8], tuple[float, float, float]]:
+    if plan is None:
+        return np.zeros((1, 1), np.uint8), (0.0, 0.0, 0.0)
+    return plan.classes, (*plan.origin_m, plan.resolution_m)
+
+
+def _moments(costs: Array, box: Array, share: float) -> Place:
+    weights = np.exp(-0.5 * (costs - costs.min()))
+    total = float(weights.sum())
+    xs, ys = _centres(box)
+    in_x, in_y = weights.sum(axis=0) / total, weights.sum(axis=1) / total
+    x, y = float(in_x @ xs), float(in_y @ ys)
+    var_x, var_y = float(in_x @ (xs - x) ** 2), float(in_y @ (ys - y) ** 2)
+    var_xy = float((ys - y) @ weights @ (xs - x)) / total
+    row, column = int((y - box[1]) / box[3]), int((x - box[0]) / box[2])
+    return Place(x, y, var_x, var_xy, var_y, share, bool(weights[row, column] < _HOLLOW))
+
+
+def _ring(heard: Heard, radio: Radio) -> Ring:
+    """Return how far off a node is: of all distances within reach, each alike, as it sounds."""
+    if heard.log_sd <= 0.0:
+        return Ring(heard.node_id, heard.range_m, hypot(heard.sd_m, heard.place_sd_m))
+    s, centre = hypot(heard.log_sd, radio.gain_sd), min(heard.range_m, radio.reach_m)
+    furthest = min(radio.reach_m, centre * exp(5.0 * s))
+    total = first = second = 0.0
+    for k in range(_RING_STEPS):
+        d = (k + 0.5) * furthest / _RING_STEPS
+        weight = exp(-0.5 * (log(centre / d) / s) ** 2)
+        total, first, second = total + weight, first + weight * d, second + weight * d * d
+    mean = first / total
+    return Ring(heard.node_id, mean, hypot(sqrt(max(second / total - mean * mean, 0.0)), heard.place_sd_m))
+
+
+def _rows(heard: Sequence[Heard]) -> Array:
+    return np.array(
+        [[h.x_m, h.y_m, h.place_sd_m, max(h.range_m, NEAREST_M), h.log_sd, h.sd_m] for h in heard]
+    )
+
+
+def _centres(box: Array) -> tuple[Array, Array]:
+    steps = np.arange(CELLS) + 0.5
+    return box[0] + steps * box[2], box[1] + steps * box[3]
+
+
+def _most_cost(readings: int) -> float:
+    free = max(1, readings - 2)
+    return free + _FITS_SD * sqrt(2.0 * free)
+
+
+def _widened(place: Place, by: float) -> Place:
+    wide = max(by, 1.0)
+    return replace(place, var_x=wide * place.var_x, var_xy=wide * place.var_xy, var_y=wide * place.var_y)
