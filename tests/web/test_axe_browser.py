@@ -77,6 +77,20 @@ def test_every_page_and_state_has_no_violation(link: str, page: Page, robot_log:
     page.keyboard.press("b")
     audit.look("console, best map")
     page.keyboard.press("b")
+    page.get_by_role("slider").focus()
+    page.keyboard.press("Home")
+    expect(page.locator(".past-banner")).to_be_visible(timeout=SOON_MS)
+    audit.look("console, past")
+    page.set_viewport_size({"width": 390, "height": 844})
+    audit.look("console, past on a phone")
+    back = page.locator(".time-live").bounding_box()
+    assert back is not None
+    assert back["x"] + back["width"] <= 390  # the way back to now is in sight
+    page.locator(".time-live").click()
+    expect(page.locator(".past-banner")).to_have_count(0)
+    page.get_by_role("button", name="Map tools").click()
+    audit.look("console, tools on a phone")
+    page.set_viewport_size({"width": 1366, "height": 768})
 
     page.goto(f"{home}/missions")
     expect(page.get_by_role("heading", level=1)).to_be_visible()
