@@ -32,6 +32,9 @@ class Scenes(Protocol):
     ) -> None:
         """Take over a new fused map."""
 
+    def update_base(self, mission_id: str, grid: TeamGrid | None) -> None:
+        """Take over a base map, None when it is taken away."""
+
 
 class Missions:
     """Opens missions, finds them, and brings them back after a restart."""
@@ -139,15 +142,18 @@ class Missions:
         """Return a mission with agents in the place of one that is over, before the same eyes."""
         await over.close()
         mission = Mission(
-            over.roster.record, self._store, self._forks, self._settings, self._on_grid, over.board
-        )
+            over.roster.record, self._store, self._forks, self._settings, self._on_grid,
+            self._scenes.update_base, over.board,
+        )  # fmt: skip
         mission.presence = over.presence
         await mission.go_on()
         self._missions[mission.mission_id] = mission
         return mission
 
     async def _add(self, record: MissionRecord) -> Mission:
-        mission = Mission(record, self._store, self._forks, self._settings, self._on_grid)
+        mission = Mission(
+            record, self._store, self._forks, self._settings, self._on_grid, self._scenes.update_base
+        )
         self._missions[record.mission_id] = mission
         await self._scenes.start(record.mission_id, mission.board)
         return mission

@@ -120,7 +120,7 @@ class Explorer:
             self._recovery.rest()
             why = "held by an order" if held else f"standing still, {self.errands.by}"
             return Decision(0.0, 0.0, "holding", why, drop_tag=self.errands.tag_wanted)
-        if self._suspects.observe(now_s, pose, suspects):
+        if self._suspects.observe(now_s, pose, suspects, self.claims.victims(place_of) if suspects else ()):
             self.replan()
         recovery = self._recover(now_s, pose, bumped)
         if recovery is not None:
@@ -204,6 +204,7 @@ class Explorer:
         if choice is not None and path is not None:
             goals.goal_m = choice.frontier.goal_m
             reason = f"driving {choice.frontier.cost_m:.0f} m to {choice.why}"
+            reason += self._suspects.known_to_others(now_s)
             return Aim("edge", "exploring", reason, goals.goal_m, path)
         return self._finish(ground, left, now_s)
 

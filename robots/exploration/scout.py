@@ -15,7 +15,7 @@ import numpy as np
 from robots.config import AgentConfig
 from robots.exploration.aim import Decision
 from robots.exploration.explorer import Explorer
-from robots.exploration.strategy import AnswersTags, PlansLocally
+from robots.exploration.strategy import AnswersTags
 from robots.exploration.team.communication import Communication
 from robots.exploration.told.claims import PlaceOf
 from robots.exploration.told.hearsay import Hearsay
@@ -195,8 +195,8 @@ class Scout:
         if self.decision.drop_tag and self._dropper.drop_here(now.distance_m):
             self.explorer.errands.tag_dropped()
             return True
-        strategy = self.explorer.goals.strategy
-        even_m = strategy.tag_every_m if isinstance(strategy, PlansLocally) else 0.0
+        # asked at every step, where isinstance of a protocol is slow
+        even_m: float = getattr(self.explorer.goals.strategy, "tag_every_m", 0.0)
         return self._dropper.should_drop(now.distance_m, now.pose, now.fused, now.tag_places(), even_m)
 
     def _hear(self, now: Situation, sighting: TagSighting) -> None:
@@ -232,7 +232,7 @@ class Scout:
 
     def _answer(self, now: Situation, tag_id: str, said: TagMemory) -> TagMemory:
         goals, place = self.explorer.goals, now.tag_place(tag_id) if now.north else None
-        if isinstance(goals.strategy, AnswersTags) and goals.view is not None and place is not None:
+        if goals.view is not None and place is not None and isinstance(goals.strategy, AnswersTags):
             return goals.strategy.answer(said, goals.view, place)
         return said.merge(replace(self._told_of(now, tag_id, said), maps=self._map_to_leave(now)))
 

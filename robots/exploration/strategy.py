@@ -26,7 +26,8 @@ class ExplorationView:
     its cells costs in fifths of a cell (UNREACHED where it cannot). ``trail`` (k, 4): x, y, heading, stamp of
     where it was, oldest first, ``mates_trail`` (m, 4) of where others
     were that were heard; ``path_m`` (n, 2): the rest of its way to its last goal; ``tags``: all that it
-    read, from up to ``tag_reach_m`` off, ``base_m`` where reports go; ``battery`` 1 full, 0 empty.
+    read, from up to ``tag_reach_m`` off, ``base_m`` where reports go; ``battery`` 1 full, 0 empty;
+    ``ways_m`` (f,): what it costs to get to the frontiers, where that is not what they say themselves.
     """
 
     pose: Pose2
@@ -43,16 +44,14 @@ class ExplorationView:
     base_m: tuple[float, float] = (0.0, 0.0)
     battery: float = 1.0
     settings: PlanningConfig = field(default_factory=PlanningConfig)
+    ways_m: Array | None = None
 
     def with_ways(self, ways_m: Array) -> ExplorationView:
         """Return the view in which the ways to the frontiers, (n,), cost so many metres.
 
         So a strategy can be asked with straight lines for ways, or for a teammate somewhere else.
         """
-        frontiers = tuple(
-            replace(frontier, cost_m=float(way)) for frontier, way in zip(self.frontiers, ways_m, strict=True)
-        )
-        return replace(self, frontiers=frontiers)
+        return replace(self, ways_m=ways_m)
 
 
 class Strategy(Protocol):
@@ -110,4 +109,6 @@ def goals_of(view: ExplorationView) -> Array:
 
 def ways_of(view: ExplorationView) -> Array:
     """Return what it costs to get to the frontiers, (n,), in metres."""
+    if view.ways_m is not None:
+        return view.ways_m
     return np.array([frontier.cost_m for frontier in view.frontiers])

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from functools import reduce
+from functools import lru_cache, reduce
 
 from robots.tags.content import decode_memory, encode_memory
 from robots.tags.marks import Note
@@ -26,8 +26,10 @@ class TagSays:
 
 
 NOTHING = TagSays(TagMemory.empty(), 0, True)
+_REMEMBERED = 256  # a tag is asked about several times for one reading, and says the same for long
 
 
+@lru_cache(maxsize=_REMEMBERED)
 def open_memory(data: bytes, tag_id: str, key: bytes) -> TagSays:
     """Return what a reader got from a tag: records one after the other; no bytes are an empty memory.
 

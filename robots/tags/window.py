@@ -31,8 +31,8 @@ def no_cells() -> Cells:
 def resized(cells: Cells, side: int) -> Cells:
     """Return a window with rings of 0 put round it, or rings taken off."""
     more = (side - len(cells)) // 2
-    if more < 0:
-        return cells[-more:more, -more:more]
+    if more <= 0:
+        return cells[-more:more, -more:more] if more else cells
     wider = np.zeros((side, side), np.uint8)
     wider[more : side - more, more : side - more] = cells
     return wider
@@ -71,11 +71,7 @@ def cost(cells: Cells, reach: int) -> int:
 
 def fitting_reach(cells: Cells, most: int, room_bytes: int) -> int:
     """Return the greatest reach up to ``most`` at which the window has room; -1 where none has."""
-    low, high = -1, most  # the cost grows with the reach
-    while low < high:
-        middle = (low + high + 1) // 2
-        low, high = (middle, high) if cost(cells, middle) <= room_bytes else (low, middle - 1)
-    return low
+    return int(_fitting_reach(cells, most, room_bytes, _box_sizes(most)))
 
 
 def pack(cells: Cells, reach: int) -> bytes:
@@ -136,6 +132,36 @@ def _box(cells: Cells) -> tuple[int, int, int, int]:
     if bottom == 0:
         return 0, 0, 0, 0
     return top, bottom, left, right
+
+
+@njit(cache=True)
+def _fitting_reach(cells: Cells, most: int, room_bytes: int, box_bytes: NDArray[np.int64]) -> int:
+    middle = len(cells) // 2
+    first = np.full((most + 1, 2), len(cells))  # row and column, of each ring alone
+    last = np.full((most + 1, 2), -1)
+    for r in range(len(cells)):
+        for c in range(len(cells)):
+            ring = max(abs(r - middle), abs(c - middle))
+            if cells[r, c] and ring <= most:
+                first[ring, 0], last[ring, 0] = min(first[ring, 0], r), max(last[ring, 0], r)
+                first[ring, 1], last[ring, 1] = min(first[ring, 1], c), max(last[ring, 1], c)
+    best, top, left, bottom, right = -1, len(cells), len(cells), -1, -1
+    for reach in range(most + 1):
+        if last[reach, 0] >= 0:
+            top, left = min(top, first[reach, 0]), min(left, first[reach, 1])
+            bottom, right = max(bottom, last[reach, 0]), max(right, last[reach, 1])
+        size = 0
+        if bottom >= 0:
+            size = box_bytes[reach] + -(-(bottom + 1 - top) * (right + 1 - left) // _PER_BYTE)
+        if size > room_bytes:  # the cost grows with the reach
+            break
+        best = reach
+    return best
+
+
+@lru_cache(maxsize=8)
+def _box_sizes(most: int) -> NDArray[np.int64]:
+    return np.array([_box_bytes(reach) for reach in range(most + 1)], np.int64)
 
 
 def _box_bytes(reach: int) -> int:

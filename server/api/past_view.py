@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Callable
 from contextlib import suppress
 
 import structlog
@@ -11,9 +12,12 @@ from fastapi import APIRouter, WebSocket, WebSocketDisconnect
 from db.errors import DatabaseError
 from server.api.seats import FULL, NOT_LOGGED_IN, Line, read, tell_clicks, until_first
 from server.api.stream import entered
+from server.history.changes import Value
 from server.history.film import grid_of
 from server.history.past import Past
+from server.map_image import MapImage
 from server.missions import Missions
+from web.viser.map_layer import Grid
 from web.viser.scenes import PastScene, Scenes
 
 router = APIRouter(prefix="/missions/{mission_id}/history")
@@ -30,19 +34,20 @@ async def view(websocket: WebSocket, mission_id: str, theme: str = "dark") -> No
     found = await entered(websocket, mission_id)
     if found is None:
         return
-    _, actor = found
+    mission, actor = found
     missions: Missions = websocket.app.state.missions
     scenes: Scenes = websocket.app.state.scenes
     scene = scenes.open_past(mission_id, theme, actor.over)
     if scene is None:
         await websocket.close(FULL, "too many people look at the past in 3D; close another page or use 2D")
         return
-    line, past = Line(websocket), Past(missions.store, mission_id)
+    line = Line(websocket)
+    moments = _Moments(Past(missions.store, mission_id), scene, lambda: mission.base_map.image)
     wanted: asyncio.Queue[float] = asyncio.Queue()
     try:
         await until_first(
             _listen(websocket, scene, wanted),
-            _show(line, past, scene, wanted),
+            _show(line, moments, scene, wanted),
             tell_clicks(line, scene.seat),
             actor.over.wait(),
         )
@@ -54,33 +59,60 @@ async def view(websocket: WebSocket, mission_id: str, theme: str = "dark") -> No
         )
 
 
-async def _show(line: Line, past: Past, scene: PastScene, wanted: asyncio.Queue[float]) -> None:
-    version = None
+class _Moments:
+    """Draws moments of a mission's past; ``base`` gives its base map, as it is now."""
+
+    def __init__(self, past: Past, scene: PastScene, base: Callable[[], MapImage | None]) -> None:
+        self._past = past
+        self._scene = scene
+        self._base = base
+        self._versions: dict[str, int | None] = {"map": None, "base_map": None}
+
+    async def draw(self, unix_s: float) -> None:
+        """Show a moment."""
+        try:
+            found = await self._past.state_at(unix_s)
+            state = {} if found is None else found[1]
+            grid = await self._map_of(state)
+        except DatabaseError as error:
+            log.error("the past could not be shown in 3D", reason=str(error))
+            return
+        await self._put_base(state)
+        await self._scene.show(state, grid)
+
+    async def _map_of(self, state: dict[str, Value]) -> Grid | None:
+        """Return the map of a state, None where it is shown already or its picture was not kept."""
+        shown = state.get("map")
+        if shown is None or shown["version"] == self._versions["map"]:
+            return None
+        png = await self._past.picture(shown["version"])
+        if png is None:
+            return None
+        self._versions["map"] = shown["version"]
+        return await asyncio.to_thread(grid_of, shown, png)
+
+    async def _put_base(self, state: dict[str, Value]) -> None:
+        """Lay the base map of a state under it; one that was replaced since is not kept."""
+        shown, image = state.get("base_map"), self._base()
+        version = None if shown is None else shown["version"]
+        if version == self._versions["base_map"]:
+            return
+        grid = None
+        if shown is not None and image is not None and image.version == version:
+            grid = await asyncio.to_thread(grid_of, shown, image.png)
+        self._scene.update_base(grid)
+        self._versions["base_map"] = version
+
+
+async def _show(line: Line, moments: _Moments, scene: PastScene, wanted: asyncio.Queue[float]) -> None:
     with suppress(WebSocketDisconnect, RuntimeError, TimeoutError):
         await line.send({"scene": scene.seat.key})
         while True:
             unix_s = await wanted.get()
             while not wanted.empty():  # only the latest counts
                 unix_s = wanted.get_nowait()
-            version = await _draw(past, scene, unix_s, version)
+            await moments.draw(unix_s)
             await line.send({"shown_unix_s": unix_s})
-
-
-async def _draw(past: Past, scene: PastScene, unix_s: float, version: int | None) -> int | None:
-    """Show a moment; return the version of the map that is shown."""
-    try:
-        found = await past.state_at(unix_s)
-        state = {} if found is None else found[1]
-        shown = state.get("map")
-        png = None
-        if shown is not None and shown["version"] != version:
-            png = await past.picture(shown["version"])
-    except DatabaseError as error:
-        log.error("the past could not be shown in 3D", reason=str(error))
-        return version
-    grid = None if shown is None or png is None else await asyncio.to_thread(grid_of, shown, png)
-    await scene.show(state, grid)
-    return version if grid is None or shown is None else int(shown["version"])
 
 
 async def _listen(websocket: WebSocket, scene: PastScene, wanted: asyncio.Queue[float]) -> None:

@@ -16,7 +16,7 @@ LONGEST_MESSAGE = 1024
 FULL, NOT_LOGGED_IN, ELSEWHERE = 4429, 4401, 4409
 
 Id = Annotated[str, msgspec.Meta(min_length=1, max_length=200)]
-Kind = Literal["robot", "victim", "tag", "note", "photo", "sector"]
+Kind = Literal["robot", "victim", "tag", "note", "sector"]
 Moment = Annotated[float, msgspec.Meta(ge=0.0, le=1e11)]
 Count = Annotated[int, msgspec.Meta(ge=0, le=2**53)]
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -24,15 +24,23 @@ log = structlog.get_logger()
 
 
 class BaseMap:
-    """At most one, on the board as ``base_map``. ``image`` is its picture."""
+    """At most one, on the board as ``base_map``. ``image`` is its picture; ``on_grid`` is told of each."""
 
-    def __init__(self, store: Store, mission_id: str, board: Board, events: Events) -> None:
+    def __init__(
+        self,
+        store: Store,
+        mission_id: str,
+        board: Board,
+        events: Events,
+        on_grid: Callable[[str, TeamGrid | None], None],
+    ) -> None:
         self.image: MapImage | None = None
         self._record: BaseMapRecord | None = None
         self._store = store.places
         self._mission_id = mission_id
         self._board = board
         self._events = events
+        self._on_grid = on_grid
 
     async def restore(self) -> None:
         """Bring it back from the database."""
@@ -108,9 +116,11 @@ class BaseMap:
         await self._store.record_base_map(self._mission_id, None, keep_past=keep_past)
         self.image = self._record = None
         self._board.publish({"base_map": None})
+        self._on_grid(self._mission_id, None)
 
     async def _show(self, grid: TeamGrid, record: BaseMapRecord) -> None:
         self.image = await asyncio.to_thread(draw, grid)
         self._record = record
         told = map_value(self._mission_id, self.image, "base-map.png")
         self._board.publish({"base_map": {**told, "source": record.source, "by": record.by}})
+        self._on_grid(self._mission_id, grid)

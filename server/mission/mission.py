@@ -63,7 +63,10 @@ from server.settings import Settings
 
 
 class Mission:
-    """One mission. ``board`` is what everybody sees; ``on_grid`` is told of every new fused map."""
+    """One mission. ``board`` is what everybody sees.
+
+    ``on_grid`` is told of every new fused map, ``on_base`` of the base map, None when it is taken away.
+    """
 
     def __init__(
         self,
@@ -72,6 +75,7 @@ class Mission:
         forks: ForkServer,
         settings: Settings,
         on_grid: Callable[[str, TeamGrid], None],
+        on_base: Callable[[str, TeamGrid | None], None],
         board: Board | None = None,
     ) -> None:
         mission_id = record.mission_id
@@ -84,7 +88,7 @@ class Mission:
         self.alerts = Alerts(store, mission_id, self.board, self.events)
         self.photos = Photos(store, mission_id, self.board, self.events)
         self.georeferences = Georeferences(store, mission_id, self.board, self.events)
-        self.base_map = BaseMap(store, mission_id, self.board, self.events)
+        self.base_map = BaseMap(store, mission_id, self.board, self.events, on_base)
         self.sectors = Sectors(store, mission_id, self.board, self.events)
         self.evacuation = Evacuation(store, mission_id, self.board, self.events)
         self.victims = Victims(store, mission_id, self.board, self.events, self.alerts)

@@ -95,10 +95,11 @@ def browser() -> Iterator[Browser]:
 
 @pytest.fixture(scope="module")
 def drill(tmp_path_factory: pytest.TempPathFactory, robot_log: Any) -> Iterator[dict[str, Any]]:
-    """A mission with tags: the host that serves it, and their ids."""
+    """A mission with tags: the application, the host that serves it, and their ids."""
     serve = Serve()
     folder = tmp_path_factory.mktemp("drill")
-    host = serve(create_app(Settings(data_dir=folder, login="off", reply_s=60.0)))
+    app = create_app(Settings(data_dir=folder, login="off", reply_s=60.0))
+    host = serve(app)
     with httpx.Client(base_url=f"http://{host}/api/v1", timeout=90) as client:
         client.post(
             "/missions", json={"name": "Drill", "mission_id": "drill", "tag_key": ""}
@@ -113,5 +114,5 @@ def drill(tmp_path_factory: pytest.TempPathFactory, robot_log: Any) -> Iterator[
             if tags:
                 break
             time.sleep(0.1)
-    yield {"host": host, "tags": [tag["tag_id"] for tag in tags]}
+    yield {"app": app, "host": host, "tags": [tag["tag_id"] for tag in tags]}
     serve.close()

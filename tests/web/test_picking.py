@@ -87,7 +87,7 @@ def test_the_floor_means_the_smallest_sector_there() -> None:
 def test_merged_victims_are_not_there_and_photos_are_where_their_thing_is() -> None:
     eye = np.array((-3.0, -1.0, 30.0))
     assert pick(VALUES, eye, (0.0, 0.0, -1.0), REACH) == ("sector", "s1")
-    assert photo_places(VALUES) == {"p1": ((-6.0, 6.0), 1), "p2": ((3.0, 1.0), 2)}
+    assert photo_places(VALUES) == {"p1": ((-6.0, 6.0), 1), "p2": ((3.45, 0.55), 2)}
     assert place_of(VALUES, "note", "n2") == (8.0, 0.5)
     assert place_of(VALUES, "note", "n3") == (11.0, 11.0)
     assert place_of(VALUES, "links", "x") is None

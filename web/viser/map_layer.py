@@ -13,7 +13,7 @@ from web.viser.shapes import unit_box, upright
 
 WALL_HEIGHT_M = 1.4  # low enough to look over, high enough to read as a room
 OCCUPIED_FROM = 65  # of 100, as ROS map_server has it
-_LYING_FACE_UP = (
+LYING_FACE_UP = (
     0.0,
     1.0,
     0.0,
@@ -51,7 +51,7 @@ class MapLayer:
                 floor_image(grid.cells, self._palette["floor"]),
                 *size_m,
                 format="png",
-                wxyz=_LYING_FACE_UP,
+                wxyz=LYING_FACE_UP,
                 position=(x_m + size_m[0] / 2.0, y_m + size_m[1] / 2.0, 0.0),
                 cast_shadow=False,
                 receive_shadow=False,

@@ -12,15 +12,15 @@ import viser
 from web.viser.cameras import Cameras
 from web.viser.colors import Palette
 from web.viser.picking import ALERT_M, SOLIDS, Named
-from web.viser.places import Place, Values, of_kind, place_of
+from web.viser.places import Corners, Place, Values, corners_of, of_kind, place_of
 from web.viser.seats import Wish
 from web.viser.shapes import outline, spike, unit_ring
 
 _RING = unit_ring()
 _POINTER = spike(0.28, 0.7)
 _ABOVE_FLOOR_M = 0.06
-_RADII_M = {"robot": 0.95, "victim": 0.6, "tag": 0.4, "note": 0.5, "photo": 0.5}
-_CLEAR_M = {"robot": 1.6, "victim": 3.2, "tag": 1.5, "note": 2.6, "photo": 1.7}  # over names, and low walls
+_RADII_M = {"robot": 0.95, "victim": 0.6, "tag": 0.4, "note": 0.5}
+_CLEAR_M = {"robot": 1.6, "victim": 3.2, "tag": 1.5, "note": 2.6}  # over names, and low walls
 
 
 class Mark(NamedTuple):
@@ -28,7 +28,7 @@ class Mark(NamedTuple):
 
     kind: str
     label: str
-    corners_m: tuple[Place, ...]
+    corners_m: Corners
     has_pin: bool
     place: Place
 
@@ -47,9 +47,9 @@ def mark_of(values: Values, selected: Named | None) -> Mark | None:
         return None
     kind, thing_id = selected
     has_pin = kind == "tag" and any(alert.get("tag_id") == thing_id for _, alert in of_kind(values, "alert"))
-    corners = values[f"sector/{thing_id}"]["area_m"] if kind == "sector" else ()
+    corners = corners_of(values[f"sector/{thing_id}"]) if kind == "sector" else ()
     label = thing_id if kind == "tag" and not has_pin else ""
-    return Mark(kind, label, tuple((x, y) for x, y in corners), has_pin, place)
+    return Mark(kind, label, corners, has_pin, place)
 
 
 class Marks:

@@ -8,9 +8,11 @@ from typing import Any
 Value = dict[str, Any]
 Values = Mapping[str, Value]
 Place = tuple[float, float]
+Corners = tuple[Place, ...]
 
 KINDS = ("robot", "victim", "tag", "note", "photo", "sector")
-"""What can be selected; all but ``note`` are kinds of the board's keys, a note's key is ``annotation/ID``."""
+"""What has a place; all but ``note`` are kinds of the board's keys, a note's key is ``annotation/ID``."""
+_ASIDE = (0.45, -0.45)  # where a thing's photos are shown, for the thing itself stands at its place
 
 
 def of_kind(values: Values, kind: str) -> Iterator[tuple[str, Value]]:
@@ -24,6 +26,11 @@ def centre_of(area_m: Sequence[Sequence[float]]) -> Place:
     return sum(x for x, _ in area_m) / len(area_m), sum(y for _, y in area_m) / len(area_m)
 
 
+def corners_of(value: Value) -> Corners:
+    """Return the corners of a note's or a sector's area, none where it has no area."""
+    return tuple((x, y) for x, y in value["area_m"])
+
+
 def place_of(values: Values, kind: str, thing_id: str) -> Place | None:
     """Return where a thing is in the world frame, in metres; None where it is not there or nobody knows."""
     value = values.get(f"{'annotation' if kind == 'note' else kind}/{thing_id}")
@@ -34,7 +41,8 @@ def place_of(values: Values, kind: str, thing_id: str) -> Place | None:
     if kind == "photo":
         for name, of in (("victim_id", "victim"), ("annotation_id", "note"), ("tag_id", "tag")):
             if value.get(name) is not None:
-                return place_of(values, of, value[name])
+                thing = place_of(values, of, value[name])
+                return None if thing is None else (thing[0] + _ASIDE[0], thing[1] + _ASIDE[1])
     if kind == "note" and value.get("tag_id") is not None:
         return place_of(values, "tag", value["tag_id"])
     x_m, y_m = value.get("x_m"), value.get("y_m")

@@ -16,6 +16,7 @@ import numpy as np
 import viser
 from viser.infra import StateSerializer
 
+from web.viser.base_layer import BaseLayer
 from web.viser.cameras import Cameras
 from web.viser.colors import Palette
 from web.viser.frontiers_layer import FrontiersLayer
@@ -29,6 +30,7 @@ from web.viser.seats import Seat, Wish, seat_key
 from web.viser.tags_layer import TagsLayer
 from web.viser.trails_layer import TrailsLayer
 from web.viser.victims_layer import VictimsLayer
+from web.viser.written_layer import Written, WrittenLayer, written_on
 
 _DRAW_S = 0.1  # poses and victims
 _SLOW_DRAW_S = 1.0  # map, trails and tags: large, and slow to change
@@ -45,7 +47,7 @@ class Batch:
     """What to draw next: new values by board key (None: gone); tags with links, and grid, if they changed.
 
     ``nodes`` by tag id and ``alerts`` go with the tags; None where none of the three changed. ``wishes`` by
-    viewer: what each page wants, and the mark on what it has selected.
+    viewer: what each page wants, and the mark on what it has selected. ``base``: the base map, if it changed.
     """
 
     values: dict[str, Value | None]
@@ -55,6 +57,8 @@ class Batch:
     nodes: dict[str, Value] | None = None
     alerts: tuple[Value, ...] = ()
     wishes: Mapping[int, tuple[Wish, Mark | None]] = field(default_factory=dict)
+    written: Written | None = None
+    base: tuple[Grid | None] | None = None
 
 
 class MissionScene:
@@ -76,6 +80,8 @@ class MissionScene:
         if not self.port:
             raise RuntimeError("The 3D view got no port on 127.0.0.1; free one and start again.")
         self._map = MapLayer(self._server, palette)
+        self._base_layer = BaseLayer(self._server, palette)
+        self._written = WrittenLayer(self._server, palette)
         self._robots = RobotsLayer(self._server, palette)
         self._trails = TrailsLayer(self._server, palette)
         self._frontiers = FrontiersLayer(self._server, palette)
@@ -88,6 +94,8 @@ class MissionScene:
         self._values: dict[str, Value] = {}
         self._changed: set[str] = set()
         self._grid: Grid | None = None
+        self._base: tuple[Grid | None] | None = None  # what is not yet drawn
+        self._has_map = False
         self._slow_drawn_s = -math.inf
         _light(self._server.scene, palette)
         # Sharing would open a tunnel to a public host; the proxy drops the request as well.
@@ -134,6 +142,10 @@ class MissionScene:
         """Take the fused map: ``cells`` int8 (h, w), -1 unknown, 0..100; cell (0, 0) at ``origin_m``."""
         self._grid = Grid(cells, origin_m, resolution_m)
 
+    def update_base(self, grid: Grid | None) -> None:
+        """Take the base map, None where there is none."""
+        self._base = (grid,)
+
     async def run(self) -> None:
         """Draw until cancelled: changes at most ten times a second, in a thread, nothing without a viewer."""
         while True:
@@ -155,10 +167,12 @@ class MissionScene:
         is_slow_due = self.is_slow_due(now_s)
         changed = {key for key in self._changed if is_slow_due or key.startswith(_FAST)}
         self._changed -= changed
-        tags, nodes, grid = None, None, None
+        tags, nodes, grid, written, base = None, None, None, None, None
         if is_slow_due:
             self._slow_drawn_s = now_s
             grid, self._grid = self._grid, None
+            base, self._base = self._base, None
+            written = written_on(self._values)  # notes and photos move with tags and victims
             if any(key == "links" or key.startswith("tag/") for key in changed):
                 tags = self._of_kind("tag")
             if any(key.startswith(("tag/", "node/", "alert/")) for key in changed):
@@ -166,7 +180,7 @@ class MissionScene:
         pairs = tuple(self._values.get("links", {}).get("pairs", ()))
         alerts = tuple(self._of_kind("alert").values())
         values = {key: self._values.get(key) for key in sorted(changed)}
-        return Batch(values, tags, pairs, grid, nodes, alerts, self._wishes())
+        return Batch(values, tags, pairs, grid, nodes, alerts, self._wishes(), written, base)
 
     def _of_kind(self, kind: str) -> dict[str, Value]:
         return dict(of_kind(self._values, kind))
@@ -206,11 +220,21 @@ class MissionScene:
             self._tags.show(batch.tags, batch.pairs)
         if batch.nodes is not None:
             self._nodes.show(self._drawn_tags, batch.nodes, batch.alerts)
+        if batch.written is not None:
+            self._written.show(batch.written)
         if batch.grid is not None:
+            self._has_map = True
             self._map.show(batch.grid)
             self._cameras.see_grid(batch.grid)
+        if batch.base is not None:
+            self._show_base(*batch.base)
         self._cameras.keep_in_view()
         self._marks.draw(batch.wishes)
+
+    def _show_base(self, grid: Grid | None) -> None:
+        self._base_layer.show(grid)
+        if grid is not None and not self._has_map:
+            self._cameras.see_grid(grid)
 
     def stop(self) -> None:
         """Close the port and every viewer's socket. Takes up to a second: call it in a thread."""

@@ -7,6 +7,7 @@ import secrets
 from collections.abc import AsyncIterator, Mapping, Sequence
 from typing import Any, Protocol
 
+from robots.team import TeamGrid
 from web.viser.colors import THEMES
 from web.viser.map_layer import Cells, Grid
 from web.viser.scene import MissionScene
@@ -39,6 +40,10 @@ class PastScene:
         """Draw a state of the board, and its map where that is another than before."""
         await self.scene.show(state, grid)
 
+    def update_base(self, grid: Grid | None) -> None:
+        """Take the base map of the next state that is shown."""
+        self.scene.update_base(grid)
+
     async def close(self) -> None:
         """End it."""
         self._running.cancel()
@@ -53,6 +58,7 @@ class _Running:
         self.board = board
         self.seats = seats
         self.map: tuple[Cells, tuple[float, float], float] | None = None
+        self.base: Grid | None = None
         self.scenes: dict[str, MissionScene] = {}
         self.tasks: list[asyncio.Task[None]] = []
         self._loop = asyncio.get_running_loop()
@@ -64,6 +70,8 @@ class _Running:
         scene = self.scenes[theme] = MissionScene(theme, seats=self.seats)
         if self.map is not None:
             scene.update_map(*self.map)
+        if self.base is not None:
+            scene.update_base(self.base)
         self._loop.call_soon_threadsafe(self._keep, scene)
         return scene
 
@@ -130,6 +138,13 @@ class Scenes:
             running.map = cells, origin_m, resolution_m
             for scene in running.scenes.values():
                 scene.update_map(cells, origin_m, resolution_m)
+
+    def update_base(self, mission_id: str, grid: TeamGrid | None) -> None:
+        """Give a mission's scene its base map, None where there is none any more."""
+        if running := self._running.get(mission_id):
+            running.base = None if grid is None else Grid(grid.cells, grid.origin_m, grid.resolution_m)
+            for scene in running.scenes.values():
+                scene.update_base(running.base)
 
     async def stop(self, mission_id: str) -> None:
         """Close a mission's scene; nothing when it has none."""

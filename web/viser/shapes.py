@@ -82,6 +82,19 @@ def outline(corners_m: NDArray[np.floating], z_m: float) -> Floats:
     return np.stack((ring, np.roll(ring, -1, axis=0)), axis=1)
 
 
+def dashed(lines: Floats, dash_m: float = 0.6, gap_m: float = 0.35) -> Floats:
+    """Return line segments (n, 2, 3) cut into at most 200 dashes each, one at either end."""
+    cut = []
+    for start, end in lines.astype(float):
+        length_m = float(np.linalg.norm(end - start))
+        dashes = min(200, max(1, round((length_m + gap_m) / (dash_m + gap_m))))
+        unit = 1.0 / (dashes * dash_m + (dashes - 1) * gap_m)
+        firsts = np.arange(dashes) * (dash_m + gap_m) * unit
+        shares = np.stack((firsts, firsts + dash_m * unit), axis=1)
+        cut.append(start + shares[..., None] * (end - start))
+    return np.concatenate(cut).astype(np.float32)
+
+
 def upright(count: int) -> Floats:
     """Return the quaternions (w, x, y, z) of that many unturned instances, shape (count, 4)."""
     return np.tile(np.array([1.0, 0.0, 0.0, 0.0], np.float32), (count, 1))

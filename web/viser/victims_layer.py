@@ -23,7 +23,7 @@ class VictimsLayer:
     def put(self, victim_id: str, victim: dict[str, Any] | None) -> None:
         """Draw a victim of the board, or remove it."""
         name = self._names.setdefault(victim_id, f"/victims/{len(self._names) + 1}")
-        if victim is None:
+        if victim is None or victim.get("merged_into"):
             self._drawn.pop(victim_id, None)
             self._scene.remove_by_name(name)
             return

@@ -19,6 +19,7 @@ _ASIDE_FROM_M, _ASIDE_TO_M = 1.0, 5.0  # how far to go to give way
 _STANDS_S, _STANDS_MPS, _STANDS_RADPS = 1.5, 0.01, 0.1
 _BLOCKED_S, _BLOCKED_RADIUS_M = 40.0, 0.35
 _REPEATED_S = 25.0  # stuck again so soon: backing off a little does not help here
+_PAUSE_S = 2.5  # without a decision: that the robot stood since says nothing
 
 
 class Recovery:
@@ -27,7 +28,7 @@ class Recovery:
     def __init__(self, stuck_after_s: float) -> None:
         self._stuck_after_s = stuck_after_s
         self._pose: Pose2 | None = None  # where progress was last seen
-        self._since_s = 0.0
+        self._since_s = self._asked_s = 0.0
         self._until_s: float | None = None
         self._times: list[float] = []
         self._stood_since_s: float | None = None
@@ -46,6 +47,9 @@ class Recovery:
 
     def begins(self, now_s: float, pose: Pose2, bumped: bool) -> bool:
         """Say whether the robot has just been found stuck; it backs off from now on."""
+        if now_s - self._asked_s > _PAUSE_S:
+            self._since_s, self._stood_since_s = now_s, None
+        self._asked_s = now_s
         if self._pose is None:
             self._pose, self._since_s = pose, now_s
             return False

@@ -1,4 +1,8 @@
-"""Going to what looked warm: nearer and nearer until it is a victim for sure, or nothing is there."""
+"""Going to what looked warm: nearer and nearer until it is a victim for sure, or nothing is there.
+
+What a tag calls a victim is not gone to: somebody is sure of it, and it is reported already. Seen in passing
+often enough it is reported by this robot as well.
+"""
 
 from __future__ import annotations
 
@@ -7,6 +11,7 @@ from math import atan2, hypot, radians
 
 from robots.exploration.aim import Aim
 from robots.exploration.ground import Ground
+from robots.exploration.told.claims import ToldVictim
 from robots.se2 import Pose2, wrap
 from robots.types import Suspect
 
@@ -16,6 +21,7 @@ _NEAR_M = 0.7  # near enough to look
 _LOOK_M, _LOOK_CONE_RAD = 2.5, radians(50.0)  # so near and in the cone it ought to be seen again
 _LOOK_S = 2.0  # not seen again for so long, it was nothing
 _VISIT_S = 30.0  # at most so long for one
+_SAID_S = 10.0  # so long it says what it left to others
 _FRESH_S = 5.0  # seen longer ago, it is left: something else was more important then
 
 
@@ -28,15 +34,19 @@ class Suspects:
         self._since_s = 0.0
         self._last_s = 0.0
         self._settled: set[str] = set()
+        self._left: tuple[float, float] | None = None  # until when it is said, and how far off it was
 
     @property
     def place_m(self) -> tuple[float, float] | None:
         """Where the suspect is that is looked into (map frame)."""
         return None if self._now is None else self._now.place_m
 
-    def observe(self, now_s: float, pose: Pose2, suspects: Sequence[Suspect]) -> bool:
-        """Take in what is suspected now (map frame); say whether that asks for a new plan."""
+    def observe(
+        self, now_s: float, pose: Pose2, suspects: Sequence[Suspect], told: Sequence[ToldVictim] = ()
+    ) -> bool:
+        """Take in what is suspected and told of (map frame); say whether that asks for a new plan."""
         passed_s, self._last_s = now_s - self._last_s, now_s
+        left = self._leave_known(now_s, pose, suspects, told)
         known = {suspect.victim_id: suspect for suspect in suspects}
         before = self._now
         if before is not None:
@@ -47,9 +57,16 @@ class Suspects:
             fresh = [s for s in suspects if self._is_fresh(s, now_s, pose)]
             self._now = min(fresh, key=lambda s: (pose_gap(pose, s), s.victim_id), default=None)
             self._looked_s, self._since_s = 0.0, now_s
-        return (None if before is None else before.victim_id) != (
+        return left or (None if before is None else before.victim_id) != (
             None if self._now is None else self._now.victim_id
         )
+
+    def known_to_others(self, now_s: float) -> str:
+        """Return in words, after a reason, what was just left because others know of it; or nothing."""
+        if self._left is None or now_s > self._left[0]:
+            return ""
+        gap_m = self._left[1]
+        return f"; passing the warm spot {gap_m:.0f} m away, a tag says that a robot found a victim there"
 
     def aim(self, ground: Ground) -> Aim | None:
         """Return the way to the suspect, None where there is none or no way to it."""
@@ -77,6 +94,23 @@ class Suspects:
             return None
         x, y = self._now.place_m
         return wrap(atan2(y - pose.y, x - pose.x) - pose.theta)
+
+    def _leave_known(
+        self, now_s: float, pose: Pose2, suspects: Sequence[Suspect], told: Sequence[ToldVictim]
+    ) -> bool:
+        """Settle what is known as a victim already; say whether something was."""
+        known = [
+            s
+            for s in suspects
+            if s.victim_id not in self._settled
+            and any(hypot(s.place_m[0] - v.x, s.place_m[1] - v.y) < v.within_m for v in told)
+        ]
+        for suspect in known:
+            self._settled.add(suspect.victim_id)
+            self._left = now_s + _SAID_S, pose_gap(pose, suspect)
+            if self._now is not None and self._now.victim_id == suspect.victim_id:
+                self._now = None
+        return bool(known)
 
     def _look(self, suspect: Suspect, before: Suspect, pose: Pose2, passed_s: float, now_s: float) -> None:
         """Count how long it has been in view without being seen again; so long, it was nothing."""

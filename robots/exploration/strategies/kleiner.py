@@ -19,7 +19,7 @@ from math import floor, hypot
 import numpy as np
 
 from robots.exploration.frontiers import Frontier
-from robots.exploration.strategy import ExplorationView
+from robots.exploration.strategy import ExplorationView, ways_of
 from robots.planning.plan_grid import UNKNOWN, PlanGrid
 from robots.se2 import Array
 from robots.tags.memory import CELL_M, VISITED_M
@@ -47,8 +47,7 @@ class Kleiner:
         places = places_of_frontiers(view)
         k = is_foreign(view, told_frontiers(view))  # (8)
         crowd = crowding(places, visited_places(view), told.tau_m)
-        ways = np.array([frontier.cost_m for frontier in view.frontiers])
-        worths: Array = (k - told.beta * crowd) / told.alpha - ways  # (6), (7) corrected
+        worths: Array = (k - told.beta * crowd) / told.alpha - ways_of(view)  # (6), (7) corrected
         return worths
 
     def reason(self, view: ExplorationView, index: int) -> str:

@@ -14,7 +14,7 @@ from robots.exploration.frontiers import Frontier
 from robots.exploration.strategies.information_gain import SEEN_M, SQUARE_M2, WORTH_M
 from robots.exploration.strategies.sweep import Sweep
 from robots.exploration.strategy import ExplorationView, goals_of, ways_of
-from robots.exploration.told.claims import driven
+from robots.exploration.told.claims import FROM_AFAR_M, driven
 from robots.exploration.told.far_sight import FarFrontier, FarSight
 from robots.exploration.told.outlook import ways_beyond
 from robots.se2 import Array
@@ -22,8 +22,9 @@ from robots.se2 import Array
 _DETOUR = 1.5  # what a metre through claimed ground costs: nothing is known of its walls
 _FARTHEST_M = 15.0  # beyond claimed ground: farther counts alike
 _JUST_DRIVEN = 16  # points of the robot's own trail, 4 m, that say nothing yet
-_FROM_AFAR_M = 1.5  # a tag read from so far was read before the robot drove where its writer did;
-_ALONG_M = 4.0  # else it knows of the ground ahead what its writer knew there: so much it costs to follow
+_ALONG_M = (
+    4.0  # a tag read under its feet knows of the ground ahead what its writer did: so much to follow it
+)
 _TAKEN_M, _TAKEN_WITHIN_M = 6.0, 4.0  # what it costs to go where others went, and how near that is
 
 
@@ -87,7 +88,7 @@ def _prospects(view: ExplorationView) -> Array:
     cells = np.array([frontier.goal for frontier in view.frontiers]).reshape(-1, 2)
     most_m = _FARTHEST_M + WORTH_M / _DETOUR
     worths: Array = WORTH_M - _DETOUR * ways_beyond(view.grid, survey, cells, most_m, lost / _DETOUR)
-    if view.tag_reach_m < _FROM_AFAR_M:
+    if view.tag_reach_m < FROM_AFAR_M:
         worths -= _ALONG_M * (promised(view) + trodden(view))
     return worths
 

@@ -21,8 +21,10 @@ from robots.planning.plan_grid import UNKNOWN, PlanGrid
 from robots.se2 import Array
 from robots.tags.memory import CELL_M, CLOSED, TagMemory
 
+FROM_AFAR_M = 1.5  # a tag read from so far was read before the robot drove where its writer did
 _SURE_SD = 2.0  # deviations of a tag's place that what it says has to hold for, to be believed
 _PER_CELL = round(CELL_M / LATTICE_M)
+_SAME_VICTIM_M = 1.0  # a first heat reading is off by so much
 PlaceOf = Callable[[str], tuple[float, float] | None]  # of a tag in the map frame, None where unknown
 
 
@@ -34,6 +36,15 @@ class KnownTag:
     place_m: tuple[float, float]
     memory: TagMemory
     read_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class ToldVictim:
+    """A victim that a robot is sure of, in the map frame; what is warm ``within_m`` of it is that victim."""
+
+    x: float
+    y: float
+    within_m: float
 
 
 def driven(tags: Sequence[KnownTag]) -> Array:
@@ -49,13 +60,15 @@ class Claims:
         self.own: int | None = None  # the key by which tags know this robot: its own goals are no news
         self.reach_m = 0.0  # the farthest off that a tag was read
         self._memories: dict[str, TagMemory] = {}
+        self._heard: dict[str, TagMemory] = {}  # as read last: the same again says nothing new
         self._read_s: dict[str, float] = {}
         self._sds_m: dict[str, float] = {}  # of the places where tags are believed
 
     def hear(self, tag_id: str, memory: TagMemory, now_s: float = 0.0, sd_m: float = 0.0) -> None:
         """Take in what a tag of the mission says; ``sd_m`` of the place where it is believed."""
-        known = self._memories.get(tag_id, TagMemory.empty())
-        self._memories[tag_id] = known.merge(memory.uncut())
+        if self._heard.get(tag_id) is not memory:
+            self._heard[tag_id] = memory
+            self._memories[tag_id] = self._memories.get(tag_id, TagMemory.empty()).merge(memory.uncut())
         self._read_s[tag_id], self._sds_m[tag_id] = now_s, sd_m
 
     def tags(self, place_of: PlaceOf) -> tuple[KnownTag, ...]:
@@ -65,6 +78,15 @@ class Claims:
             KnownTag(tag_id, place, self._memories[tag_id], self._read_s[tag_id])
             for tag_id, place in places
             if place is not None
+        )
+
+    def victims(self, place_of: PlaceOf) -> tuple[ToldVictim, ...]:
+        """Return the victims that tags tell of, as the tags lie now."""
+        return tuple(
+            ToldVictim(tag.place_m[0] + 0.1 * mark.north_dm, tag.place_m[1] + 0.1 * mark.west_dm, within_m)
+            for tag in self.tags(place_of)
+            for within_m in (_SAME_VICTIM_M + _SURE_SD * self._sds_m[tag.tag_id],)
+            for mark in tag.memory.victims
         )
 
     def survey(self, grid: PlanGrid, place_of: PlaceOf) -> Survey:
@@ -83,7 +105,7 @@ class Claims:
                 if p.key != self.own and p.goal_m is not None
             ]
         doubtful = (whole == CLOSED) & (claimed != CLOSED)
-        shade = shaded(whole, unknown)
+        shade = shaded(whole, unknown, self.reach_m >= FROM_AFAR_M)
         return Survey(unknown, claimed, grid.origin, np.array(promised).reshape(-1, 2), doubtful, shade)
 
 

@@ -20,18 +20,23 @@ _PIECE_M2 = 3.0
 _ROUND = np.ones((3, 3), bool)
 
 
-def shaded(claimed: NDArray[np.uint8], unknown: Array) -> NDArray[np.bool_]:
+def shaded(claimed: NDArray[np.uint8], unknown: Array, from_afar: bool) -> NDArray[np.bool_]:
     """Return which cells are not worth going to, (r, c).
 
     Args:
         claimed: the states that tags tell, (r, c).
         unknown: how much of each cell the robot's own map does not know, (r, c).
+        from_afar: tags are read from afar, so the edges that they tell of are still there: a single open cell
+            may be the mouth of the corridor to all the rest. Read under a robot's feet, they tell of edges
+            that their writer went to next.
     """
     told: NDArray[np.bool_] = claimed == CLOSED
     if not told.any():
         return told
     shade: NDArray[np.bool_] = (claimed == UNSEEN) & ndimage.binary_dilation(told, _ROUND, _STRIP)
     left = (unknown > 0.5) & ~told & ~shade
+    if from_afar:
+        left &= claimed == UNSEEN
     pieces, _ = ndimage.label(np.pad(left, 1, constant_values=True))  # beyond the lattice all is left
     sizes = np.bincount(pieces.ravel()) * LATTICE_M**2
     sizes[pieces[0, 0]] = np.inf

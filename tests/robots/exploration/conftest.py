@@ -40,13 +40,17 @@ def hall(
 
 
 class Rover:
-    """Steps an explorer. ``battery`` falls by ``use_per_m`` for each metre; ``seen`` keeps all decisions."""
+    """Steps an explorer. ``battery`` falls by ``use_per_m`` for each metre; ``seen`` keeps all decisions.
+
+    ``tags``: where tags lie.
+    """
 
     def __init__(self, fused: FusedGrid, pose: Pose2, **planning: float) -> None:
         self.explorer = Explorer(AgentConfig(planning=PlanningConfig(explore="nearest", **planning)))
         self.fused, self.pose = fused, pose
         self.now_s, self.battery, self.use_per_m = 0.0, None, 0.0
         self.seen: list[Decision] = []
+        self.tags: dict[str, tuple[float, float]] = {}
 
     def drive(
         self, seconds: float, until: Callable[[Decision], bool] = lambda _: False, suspects=lambda rover: ()
@@ -61,6 +65,7 @@ class Rover:
                 None,
                 False,
                 False,
+                self.tags.get,
                 battery=self.battery,
                 suspects=suspects(self),
             )

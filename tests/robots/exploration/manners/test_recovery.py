@@ -16,7 +16,7 @@ def watching(now_s: float = 0.0) -> Recovery:
 
 def test_without_progress_it_backs_off_after_the_time_it_was_given():
     recovery = watching()
-    assert not recovery.begins(6.0, HERE, bumped=False)
+    assert not any(recovery.begins(now_s, HERE, bumped=False) for now_s in (2.0, 4.0, 6.0))
     assert recovery.velocities(6.0) is None
     assert recovery.begins(6.1, HERE, bumped=False)
     assert recovery.active
@@ -25,8 +25,8 @@ def test_without_progress_it_backs_off_after_the_time_it_was_given():
 @pytest.mark.parametrize("moved", [Pose2(1.2, 2.0, 0.5), Pose2(1.0, 2.0, 1.1), Pose2(1.0, 2.0, -0.1)])
 def test_driving_or_turning_is_progress(moved):
     recovery = watching()
-    assert not recovery.begins(5.0, moved, bumped=False)
-    assert not recovery.begins(10.0, moved, bumped=False)
+    assert not any(recovery.begins(now_s, HERE, bumped=False) for now_s in (2.0, 4.0))
+    assert not any(recovery.begins(now_s, moved, bumped=False) for now_s in (5.0, 7.0, 9.0, 11.0))
     assert recovery.begins(11.5, moved, bumped=False)
 
 
@@ -51,8 +51,7 @@ def test_backing_off_ends_and_the_clock_starts_anew():
     assert angular != 0.0
     assert recovery.velocities(2.5) is None
     assert not recovery.active
-    assert not recovery.begins(3.0, HERE, bumped=False)
-    assert not recovery.begins(8.9, HERE, bumped=False)
+    assert not any(recovery.begins(now_s, HERE, bumped=False) for now_s in (3.0, 5.0, 7.0, 8.9))
     assert recovery.begins(9.1, HERE, bumped=False)
 
 
@@ -89,6 +88,15 @@ def test_resting_is_not_being_stuck():
     for second in range(1, 30):
         recovery.rest()
         assert not recovery.begins(float(second), HERE, bumped=False)
+
+
+def test_a_robot_that_did_not_decide_for_a_while_was_not_driving():
+    recovery = watching()
+    assert not recovery.begins(7.0, HERE, bumped=False)
+    assert not recovery.begins(9.0, HERE, bumped=False)
+    assert not recovery.begins(11.0, HERE, bumped=False)
+    assert not recovery.begins(13.0, HERE, bumped=False)
+    assert recovery.begins(13.2, HERE, bumped=False)
 
 
 def test_the_place_ahead():

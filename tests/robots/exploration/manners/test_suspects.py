@@ -3,6 +3,9 @@
 from math import atan2, hypot
 
 from robots.se2 import Pose2, wrap
+from robots.tags.marks import victim_mark
+from robots.tags.memory import TagMemory
+from robots.tags.window import no_cells
 from robots.types import Suspect
 
 WARM = (6.0, 2.0)
@@ -66,3 +69,38 @@ def test_beside_the_place_it_turns_to_face_it(rover, make_hall):
     bearing = wrap(atan2(place[1] - robot.pose.y, place[0] - robot.pose.x) - robot.pose.theta)
     assert abs(bearing) < 0.3
     assert "looking whether what was warm is a victim" in {d.reason for d in robot.seen}
+
+
+def told_of_victim(robot, place, tag=(2.0, 0.0)):
+    """Let a robot read a tag in which another robot left a victim at a place."""
+    mark = victim_mark("r2-V1", 0.9, 60.0, place[0] - tag[0], place[1] - tag[1])
+    robot.tags["T1"] = tag
+    robot.explorer.claims.hear("T1", TagMemory(no_cells(), victims=(mark,)), robot.now_s)
+
+
+def test_what_a_tag_tells_to_be_a_victim_is_passed_by_and_the_reason_says_so(rover, make_hall):
+    robot = rover(make_hall(known_to_m=15.0), Pose2())
+    told_of_victim(robot, WARM)
+    robot.drive(18.0, suspects=lambda r: readings(r, (WARM[0] + 0.6, WARM[1]), 1.0))
+    assert not any("possible victim" in d.reason for d in robot.seen)
+    said = [d.reason for d in robot.seen if d.reason.endswith("a tag says that a robot found a victim there")]
+    assert "passing the warm spot 6 m away" in said[0]
+    assert not robot.seen[-1].reason.endswith("victim there")  # said for a while
+    assert robot.pose.x > 4.0
+
+
+def test_another_warm_place_beside_a_known_victim_is_gone_to(rover, make_hall):
+    robot = rover(make_hall(known_to_m=15.0), Pose2())
+    told_of_victim(robot, (WARM[0], WARM[1] - 2.5))
+    robot.drive(2.0, suspects=lambda r: readings(r, WARM, 0.0))
+    assert robot.seen[-1].reason.startswith("a possible victim")
+
+
+def test_it_turns_away_once_it_reads_that_the_victim_is_known(rover, make_hall):
+    robot = rover(make_hall(known_to_m=15.0), Pose2())
+    robot.drive(2.0, suspects=lambda r: readings(r, WARM, 0.0))
+    assert robot.seen[-1].goal_m == WARM
+    told_of_victim(robot, WARM)
+    after = robot.drive(1.0, suspects=lambda r: readings(r, WARM, 0.0))
+    assert after.goal_m != WARM
+    assert after.activity == "exploring"
