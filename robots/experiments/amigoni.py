@@ -34,7 +34,7 @@ from robots.sim.world import Mask, World, WorldError
 MAPS = (("office", "office:800"), ("open", "open:1300"))
 TEAMS, COSTS_S = (1, 2, 3), (0.0, 3.0)
 STRATEGIES, COORDINATIONS = ("aojrf", "mcdm"), ("none", "simplified", "original")
-RANDOM, WAYMARK = ("random", "random"), ("waymark", "hungarian")
+RANDOM, WAYMARK = ("random", "random"), ("waymark", "exclusion")
 MARGIN_M2 = 30.0  # strategies that differ by less are as good as each other
 _SPEED_MPS, _LASER_M, _MINUTES = 0.15, 20.0, 15.0
 _NEVER = 2.0  # all is seen from afar long before it is safe
@@ -239,7 +239,8 @@ EXPERIMENT = Experiment(
         "p of equals: two one-sided tests that the strategies differ by less than 30 m². ANOVA: two factors,"
         " runs as blocks.",
         "s a way: what planning one way costs the robot that decides. By 'none' it plans as the paper's steps"
-        " 1 to 4 do. Waymark floods its map once for each robot when its goal changes.",
+        " 1 to 4 do. Waymark floods its map when its goal changes, from itself and from robots whose ways"
+        " it has to compare with its own.",
         "The paper: five runs each, planning in real time on a machine that is not described. Not printed"
         " and chosen here: the bell of P(p) with 30 m, the battery's life, the base where a robot started.",
     ),

@@ -195,7 +195,7 @@ class Goals:
         same = (
             goal is not None and hypot(goal[0] - chosen.goal_m[0], goal[1] - chosen.goal_m[1]) < SAME_GOAL_M
         )
-        return 0 if same else len(team)  # one flood of the map from each robot
+        return 0 if same else team.floods
 
     def _kept(self, view: ExplorationView) -> Choice | None:
         """Return the goal that the robot is on its way to where its strategy decides on arrival alone."""

@@ -93,3 +93,60 @@ def test_every_page_and_state_has_no_violation(link: str, page: Page, robot_log:
     expect(page.locator(".go .number")).to_be_visible(timeout=SOON_MS)
     audit.look("phone, led to a victim")
     assert not audit.found, "\n".join(audit.found)
+
+
+def _apart(page: Page, one: str, other: str) -> bool:
+    a, b = page.locator(one).bounding_box(), page.locator(other).bounding_box()
+    assert a is not None
+    assert b is not None
+    aside = a["x"] + a["width"] <= b["x"] or b["x"] + b["width"] <= a["x"]
+    return aside or a["y"] + a["height"] <= b["y"] or b["y"] + b["height"] <= a["y"]
+
+
+def test_the_past_and_a_phone_have_no_violation(serve: Any, tmp_path: Path, page: Page) -> None:
+    home = f"http://{serve(create_app(Settings(data_dir=tmp_path, login='off')))}"
+    api, headers = f"{home}/api/v1/missions", {"Origin": home}
+    assert page.request.post(api, data={"name": "Drill", "mission_id": "drill"}, headers=headers).ok
+    for k in range(3):
+        note = {"kind": "hazard", "text": f"Gas {k}", "x_m": 2.0 * k, "y_m": 0.0}
+        path = f"{api}/drill/annotations/00000000-0000-4000-8000-{k:012d}"
+        assert page.request.put(path, data=note, headers=headers).ok
+    audit = Audit(page)
+    page.goto(home)
+    marks = page.locator("#plan .mark.note")
+    expect(marks).to_have_count(3, timeout=SOON_MS)
+    page.get_by_label("Moment of the mission").focus()
+    page.keyboard.press("Home")
+    banner = page.locator(".past-banner span")
+    expect(banner).to_be_visible(timeout=SOON_MS)
+    audit.look("console, past")
+    page.set_viewport_size({"width": 390, "height": 844})
+    audit.look("console, past on a phone")
+    # what the banner says is not covered, and the way back to now is in sight
+    assert _apart(page, ".past-banner span", "button.evacuate")
+    assert _apart(page, ".past-banner span", ".views")
+    back = page.locator(".time-live").bounding_box()
+    assert back is not None
+    assert back["x"] + back["width"] <= 390
+    page.locator(".time-live").click()
+    expect(banner).to_have_count(0)
+
+    # the map is free of tools until they are wanted; where a place is asked for, it takes the room
+    stage = page.locator("#stage")
+    before = stage.bounding_box()
+    expect(page.get_by_role("button", name="Sectors")).to_be_hidden()
+    page.get_by_role("button", name="Map tools").click()
+    audit.look("console, tools on a phone")
+    page.get_by_role("button", name="Note", exact=True).click()
+    page.get_by_label("What it says").fill("Stairs down")
+    page.get_by_role("button", name="At a point").click()
+    expect(page.locator("#robots")).to_be_hidden()
+    after = stage.bounding_box()
+    assert before is not None
+    assert after is not None
+    assert after["height"] > 1.5 * before["height"]
+    audit.look("console, a place is asked for on a phone")
+    page.locator("#plan").click(position={"x": 120, "y": 200})
+    expect(page.get_by_role("button", name="hazard: Stairs down")).to_be_visible(timeout=SOON_MS)
+    expect(page.locator("#robots")).to_be_visible()
+    assert not audit.found, "\n".join(audit.found)

@@ -78,6 +78,8 @@ def test_the_best_map_takes_the_live_ones_place_and_gives_it_back(
     page.on("pageerror", lambda error: errors.append(str(error)))
     try:
         page.goto(f"http://{host}/console")
+        if width < 900:
+            page.get_by_role("button", name="Map tools").click(timeout=SOON_MS)
         live, best = _switch(page)
         expect(live).to_have_attribute("aria-pressed", "true", timeout=SOON_MS)
         expect(page.locator(".mark.robot")).to_be_visible(timeout=SOON_MS)

@@ -67,6 +67,11 @@ class Team:
         return len(self.ids)
 
     @property
+    def floods(self) -> int:
+        """From how many of the robots the map was flooded, this one always among them."""
+        return len(self._ways)
+
+    @property
     def own(self) -> Array:
         """What the frontiers are worth to this robot, (n,)."""
         return self.worths_of(self.me)

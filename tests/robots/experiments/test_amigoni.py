@@ -24,7 +24,7 @@ def test_rows_hold_means_and_effects_and_do_not_depend_on_how_often_it_is_run():
     options = Options(runs=2, maps=("office:60",))
     rows = measure(options, teams=(2,), costs_s=(0.0,), minutes=0.3)
     means = [row for row in rows if row["what"] == "safe area"]
-    assert [row["method"] for row in means][-2:] == ["random", "waymark hungarian"]
+    assert [row["method"] for row in means][-2:] == ["random", "waymark exclusion"]
     assert len(means) == len(methods_of(2)) == 8
     assert all(5.0 < row["safe_m2"] < 60.0 for row in means)
     assert len([row for row in rows if row["what"] == "effect"]) == 3 + 4 + 2 + 1

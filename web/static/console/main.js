@@ -136,6 +136,7 @@ function renderPanels() {
   document.body.dataset.time = store.past.at_s === null ? "live" : "past";
   document.body.dataset.map = store.best.isShown ? "best" : "live";
   document.body.dataset.connection = state;
+  document.body.toggleAttribute("data-asking", plan.isAsking());
   document.title = `${state === "stale" ? "STALE · " : ""}${store.mission?.name ?? "Waymark"} · Waymark`;
   render(html`<${TopBar} store=${store} stops=${stops} onMission=${openMission} onView=${setView} />`, element("top"));
   render(html`<${PastBanner} store=${store} /><${Banners} store=${store} stops=${stops} />`, element("banner"));

@@ -18,6 +18,8 @@ import { L } from "./vendor.js";
 const PANES = { ground: 150, base: 190, building: 200, layers: 210, ink: 420, reports: 610, robots: 620 };
 const POINT_PX = 12;
 const CLICK_PX = 18; // a finger is no pointer
+const TOOLS_PX = 44;
+const NARROW_PX = 900;
 const CLOSE_ZOOM = 5.2; // about 37 pixels a metre: a room fills the view
 
 export class Plan {
@@ -214,10 +216,14 @@ export class Plan {
     const { x, y } = this.map.getSize();
     if (!x || !y) return;
     const pad = Math.min(56, 0.08 * Math.min(x, y));
-    const zoom = Math.min(6, this.map.getBoundsZoom(bounds, false, L.point(2 * pad, 2 * pad)));
+    const above = Math.min(TOOLS_PX, 0.2 * y); // tools stand along the top, on a phone also below
+    const below = innerWidth < NARROW_PX ? above : 0;
+    const zoom = Math.min(6, this.map.getBoundsZoom(bounds, false, L.point(2 * pad, 2 * pad + above + below)));
     const centre = bounds.getCenter();
-    const moved = this.map.latLngToContainerPoint(centre).distanceTo([x / 2, y / 2]);
-    if (moved > 2 || Math.abs(zoom - this.map.getZoom()) > 0.02) this.map.setView(centre, zoom, { animate: false });
+    const lower = (above - below) / 2;
+    const moved = this.map.latLngToContainerPoint(centre).distanceTo([x / 2, y / 2 + lower]);
+    if (moved <= 2 && Math.abs(zoom - this.map.getZoom()) <= 0.02) return;
+    this.map.setView(this.map.unproject(this.map.project(centre, zoom).subtract([0, lower]), zoom), zoom, { animate: false });
   }
 
   #follow() {

@@ -22,14 +22,7 @@ const LONGEST_BAR_PX = 120;
 export function PlanTools({ store, plan, onSelect }) {
   const hasRobot = store.selected?.kind === "robot" && !store.best.isShown;
   return html`
-    <div class="tools tools-left">
-      <${Search} store=${store} onSelect=${onSelect} />
-      <${MapSwitch} store=${store} />
-      <${LayerMenu} store=${store} />
-      <${NoteTool} store=${store} />
-      <${MeasureTool} store=${store} />
-      <${SectorTool} store=${store} />
-    </div>
+    <${ToolRow} store=${store} onSelect=${onSelect} />
     <div class="tools tools-right">
       <${North} frame=${store.georeference} />
       <div class="tool-group" role="group" aria-label="Zoom">
@@ -55,6 +48,23 @@ export function PlanTools({ store, plan, onSelect }) {
 }
 
 /** @typedef {import("./earth.js").Georeference | null} Frame */
+
+/** The tools in a row; on a phone behind one button. @extends {Component<{store: Store, onSelect: (selected: Selected) => void}, {isOpen: boolean}>} */
+class ToolRow extends Component {
+  /** @param {{store: Store, onSelect: (selected: Selected) => void}} props */
+  render({ store, onSelect }) {
+    const isOpen = this.state.isOpen ?? false;
+    return html`<div class=${`tools tools-left ${isOpen ? "open" : ""}`}>
+      <button type="button" class="tool tools-more" aria-expanded=${isOpen} onClick=${() => this.setState({ isOpen: !isOpen })}>Map tools</button>
+      <${Search} store=${store} onSelect=${onSelect} />
+      <${MapSwitch} store=${store} />
+      <${LayerMenu} store=${store} />
+      <${NoteTool} store=${store} />
+      <${MeasureTool} store=${store} />
+      <${SectorTool} store=${store} />
+    </div>`;
+  }
+}
 
 /** Where north is: to the right until somebody has said where the mission lies. @param {{frame: Frame}} props */
 function North({ frame }) {

@@ -50,7 +50,7 @@ export function TimeBar({ store, marks }) {
     <output class="time-words"><b>${timeOfDay(at_s ?? store.serverNow())}</b>
       <span>${at_s === null ? "now" : age(store.serverNow() - at_s)}</span></output>
     <button type="button" class="time-live" aria-pressed=${at_s === null} title="Back to what is now (L)"
-      onClick=${() => past.live()}>${at_s === null ? "Live" : "Back to live"}</button>
+      onClick=${() => past.live()}>${at_s === null ? "Live" : html`<span>Back to </span>live`}</button>
     <a class="time-wide" href=${`/api/v1${missionPath(past.missionId)}/report.html`} target="_blank" rel="noopener"
       title="Everything so far in one file, to hand over or print">Report</a>
     <a class="time-wide" href=${`/viser/${encodeURIComponent(past.missionId)}/?hideViserLogo&darkMode&playbackPath=/api/v1${missionPath(past.missionId)}/history/recording.viser`}
