@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import asyncio
 import hashlib
 import os
 from collections.abc import Mapping
 from pathlib import Path
 
 from fastapi import FastAPI, Request
-from fastapi.responses import HTMLResponse, Response
+from fastapi.responses import HTMLResponse, PlainTextResponse, Response
 from fastapi.staticfiles import StaticFiles
 from starlette.datastructures import Headers
 from starlette.middleware.gzip import GZipMiddleware
@@ -17,9 +16,10 @@ from starlette.responses import FileResponse
 from starlette.staticfiles import NotModifiedResponse
 from starlette.types import Scope
 
+from web.bundle import Sources
 from web.lean import LEAN, lean_file
+from web.made import Made
 from web.proxy import Gate, ScenePorts, mount_proxy
-from web.shell import shell, worker
 
 _HERE = Path(__file__).parent
 STATIC = _HERE / "static"
@@ -68,6 +68,8 @@ _MISSING_PAGE = """<!doctype html>
 goes on and the API answers.</p>
 </html>
 """
+
+_NOT_HERE = "This file is of another version of the page: reload the page."
 
 
 class _Files(StaticFiles):
@@ -146,17 +148,19 @@ def mount_web(
 
     vendor_files = {address: node_modules / name for address, name in VENDOR_FILES.items()}
 
-    async def phone(request: Request) -> Response:
-        kept = await asyncio.to_thread(shell, STATIC, vendor_files)
-        headers = {**SECURITY_HEADERS, "ETag": kept.etag}
-        if request.headers.get("if-none-match") == kept.etag:
-            return Response(status_code=304, headers=headers)
-        return HTMLResponse(kept.page, headers=headers)
+    made = Made(Sources(STATIC, vendor_files), SECURITY_HEADERS)
 
-    async def phone_worker(request: Request) -> Response:
-        kept = await asyncio.to_thread(shell, STATIC, vendor_files)
-        script = await asyncio.to_thread(worker, STATIC, kept)
-        return Response(script, media_type="text/javascript", headers=dict(SECURITY_HEADERS))
+    def find(request: Request, address: str) -> Response:
+        if any(not path.is_file() for path in vendor_files.values()):
+            return HTMLResponse(_MISSING_PAGE, status_code=503, headers=dict(SECURITY_HEADERS))
+        ready = made.find(address)
+        return ready.response(request) if ready else PlainTextResponse(_NOT_HERE, status_code=404)
+
+    async def phone(request: Request) -> Response:
+        return find(request, "/phone")
+
+    async def file(request: Request) -> Response:
+        return find(request, request.url.path)
 
     async def icon(request: Request) -> Response:
         return _page(request, STATIC / "logo.svg")
@@ -167,7 +171,8 @@ def mount_web(
         app.add_api_route(address, door, methods=["GET", "HEAD"], include_in_schema=False)
     for address in ("/phone", "/t", "/t/{tag_id}"):
         app.add_api_route(address, phone, methods=["GET", "HEAD"], include_in_schema=False)
-    app.add_api_route("/sw.js", phone_worker, methods=["GET", "HEAD"], include_in_schema=False)
+    for address in ("/sw.js", "/app/{version}/{name}"):
+        app.add_api_route(address, file, methods=["GET", "HEAD"], include_in_schema=False)
     app.add_api_route("/missions", missions, methods=["GET", "HEAD"], include_in_schema=False)
     app.add_api_route("/people", people, methods=["GET", "HEAD"], include_in_schema=False)
     app.add_api_route("/favicon.ico", icon, methods=["GET", "HEAD"], include_in_schema=False)

@@ -14,13 +14,15 @@ from collections import Counter
 from dataclasses import dataclass, field
 from typing import Any
 
+from server.benchmarks.browser import OWN_MODULE, chromium, server_process
+
 MISSION = "field"
 # The outbox alone, begun where no page of the phone has begun it.
-_OUTBOX = """import("/static/phone/outbox.js").then(async (outbox) => {
+_OUTBOX = f"""{OWN_MODULE}("/static/phone/outbox.js").then(async (outbox) => {{
   globalThis.begun ??= document.getElementById("page") ? null : outbox.openOutbox();
   await globalThis.begun;
   return outbox;
-})"""
+}})"""
 _ADD = f"([kind, body]) => {_OUTBOX}.then(({{ add }}) => add(kind, '{MISSION}', body)).then(({{ id }}) => id)"
 _SEND = f"() => {_OUTBOX}.then(({{ sendNow }}) => void sendNow())"
 _SENT = f"() => {_OUTBOX}.then(({{ sendNow }}) => sendNow())"
@@ -188,8 +190,6 @@ def measure(sequences: int, seed: int) -> dict[str, Any]:
     Raises:
         CannotMeasureError: there is no browser here.
     """
-    from server.benchmarks.browser import chromium, server_process
-
     with server_process() as home, chromium() as browser:
         context = browser.new_context(service_workers="block")
         tally = run(context, home, sequences, seed, page="/static/logo.svg")

@@ -15,7 +15,8 @@ from robots.routes.planner import RouteMap
 from robots.routes.ways import Way
 from robots.sim.live import play
 from robots.sim.scenario import ScenarioConfig
-from server.benchmarks.browser import chromium, server_process
+from server.benchmarks.browser import OWN_MODULE, chromium, server_process
+from web.bundle import Sources
 from web.mount import NODE_MODULES, STATIC, VENDOR_FILES
 from web.shell import shell
 
@@ -28,14 +29,14 @@ _ANSWERED = """
   }).observe(document, { childList: true, subtree: true });
 """
 _TOUCH = """async (tag) => {
-  const { touch } = await import("/static/phone/touch.js");
+  const { touch } = await OWN("/static/phone/touch.js");
   const from = performance.now();
   touch(tag);
   const title = () => document.querySelector("h1")?.textContent;
   const isThere = () => title() === `Tag ${tag}` && document.querySelector(".where");
   while (!isThere()) await new Promise(requestAnimationFrame);
   return performance.now() - from;
-}"""
+}""".replace("OWN", OWN_MODULE)
 _KEPT = """async () => (await import("/static/phone/kept.js")).all("pockets").then((all) => all.length > 0)"""
 _ROUTES = """async ([pocket, pairs]) => {
   const { Roads } = await import("/static/phone/roads.js");
@@ -78,7 +79,7 @@ def measure() -> dict[str, Any]:
 
 def sizes() -> dict[str, float]:
     """Return the size, gzipped, of what the page loads for its first answer, and of what it keeps beside."""
-    kept = shell(STATIC, {address: NODE_MODULES / name for address, name in VENDOR_FILES.items()})
+    kept = shell(Sources(STATIC, {address: NODE_MODULES / name for address, name in VENDOR_FILES.items()}))
     zipped = {address: len(gzip.compress(data, 9)) / 1000.0 for address, data in kept.files.items()}
     first = sum(zipped[address] for address in kept.early)
     return {"shell, kB gzipped": first, "read on demand, kB gzipped": sum(zipped.values()) - first}

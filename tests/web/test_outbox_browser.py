@@ -14,15 +14,16 @@ from playwright.sync_api import Browser, BrowserContext, Page, expect
 
 from server.app import create_app
 from server.benchmarks import outbox
+from server.benchmarks.browser import OWN_MODULE
 from server.settings import Settings
 
 SEQUENCES = 12
 SOON_MS = 15_000
 DAYS_MS = 5 * 86_400_000
 ADD = """async (all) => {
-  const { add } = await import("/static/phone/outbox.js");
+  const { add } = await OWN("/static/phone/outbox.js");
   for (const [kind, body] of all) await add(kind, "field", body);
-}"""
+}""".replace("OWN", OWN_MODULE)
 SESSION = """([method, words]) => fetch("/api/v1/session", {
   method, body: words && JSON.stringify(words), headers: words ? { "Content-Type": "application/json" } : {},
 })"""

@@ -1,60 +1,33 @@
-/** The responder's phone at a tag: where am I, who is near, the way there tag by tag, and leaving word; with or without signal. */
+/** The responder's phone at a tag: where am I, who is near, the way there tag by tag. What else the page has comes once the answer stands. */
 
 import { html, render } from "../console/vendor.js";
-import { Alarm, lookForOrders, Mayday } from "./alarm.js";
-import { countSteps, placeNow } from "./between.js";
-import { askForSensors, needsAsking, watchCompass } from "./compass.js";
-import { Doubt, Entry } from "./entry.js";
 import { Guide } from "./guide.js";
-import { MemoryView } from "./memory_view.js";
-import { openOutbox } from "./outbox.js";
-import { PlanView } from "./plan.js";
 import { openPockets } from "./pockets.js";
-import { askWho, onReach } from "./reach.js";
-import { Word } from "./report.js";
-import { keepHere } from "./shell.js";
-import { Standing } from "./standing.js";
 import { changed, onChange, state } from "./state.js";
-import { language, LANGUAGES, say, speak } from "./texts.js";
-import { answer, keepFresh, lead, target, touch } from "./touch.js";
+import { language, say } from "./texts.js";
+import { answer, lead, target, touch } from "./touch.js";
 import { metres } from "./words.js";
 
 /** @typedef {import("./texts.js").Key} Key */
 
-const AGES_MS = 10_000;
+const RETRY_MS = 3000;
+
+/** @type {typeof import("./rest.js") | null} */
+let rest = null;
 
 function Page() {
   const { where } = state;
-  const trouble = html`${state.trouble && html`<p class="trouble" role="alert">${state.trouble}</p>`}<${Doubt} />`;
-  if (!where) return html`<h1>${say("which_tag")}</h1>${trouble}${state.said && html`<p role="status">${state.said}</p>`}<${Entry} /><${Languages} />`;
+  const trouble = html`${state.trouble && html`<p class="trouble" role="alert">${state.trouble}</p>`}${rest && html`<${rest.Doubt} />`}
+    ${state.said && html`<p role="status">${state.said}</p>`}`;
+  if (!where) return html`<h1>${say("which_tag")}</h1>${trouble}${rest && html`<${rest.WhichTag} />`}`;
   const goal = target();
   return html`<h1>${say("tag", { tag: where.tag_id })}</h1>
     ${trouble}
-    ${state.said && html`<p role="status">${state.said}</p>`}
     ${goal && state.route && html`<${Guide} route=${state.route} to=${goal.to} />`}
     <p class="where">${where.text}${where.sd_m > 1 ? ` ${say("place_unsure", { far: metres(where.sd_m) })}` : ""}</p>
     ${where.notice && html`<p class="trouble">${where.notice}</p>`}
     ${where.victims.length > 0 && html`<h2>${say("lead_me_to")}</h2><ul>${where.victims.map(NearVictim)}</ul>`}
-    ${state.pocket && html`<${Between} /><${PlanView} />`}
-    <${MemoryView} />
-    <${Word} />
-    <h2>${say("at_another_tag")}</h2><${Entry} />
-    <p class="soft">${where.mission_name}</p><${Languages} />`;
-}
-
-/** How far the phone has come from the tag by its own steps. */
-function Between() {
-  const place = placeNow();
-  if (place) return html`<p>${say("steps", { n: place.steps, tag: state.tagId, far: metres(2 * place.sd_m) })}</p>`;
-  return needsAsking() && state.heading === null
-    && html`<button type="button" onClick=${askForSensors}>${say("use_compass")}</button>`;
-}
-
-/** Speaking another language. */
-function Languages() {
-  const others = Object.entries(LANGUAGES).filter(([name]) => name !== language());
-  return html`${others.map(([name, { name: own }]) => html`<button key=${name} type="button" lang=${name}
-    onClick=${() => { speak(name); answer(); changed(); }}>${own}</button>`)}`;
+    ${rest && html`<${rest.AtTag} mission=${where.mission_name} />`}`;
 }
 
 /** @param {import("./types.js").NearVictim} victim */
@@ -64,14 +37,16 @@ function NearVictim({ victim_id, status, reachable, distance_m }) {
     <span class="far">${metres(distance_m)}</span></button></li>`;
 }
 
-const [alarm, standing, page, foot] = ["alarm", "standing", "page", "foot"].map((id) => /** @type {HTMLElement} */ (document.getElementById(id)));
+/** @param {string} id */
+const place = (id) => /** @type {HTMLElement} */ (document.getElementById(id));
 
 function draw() {
   document.title = `${state.tagId ? say("tag", { tag: state.tagId }) : say("which_tag")} · Waymark`;
-  render(html`<${Alarm} />`, alarm);
-  render(html`<${Standing} />`, standing);
-  render(html`<${Page} />`, page);
-  render(html`<${Mayday} />`, foot);
+  render(html`<${Page} />`, place("page"));
+  if (!rest) return;
+  render(html`<${rest.Alarm} />`, place("alarm"));
+  render(html`<${rest.Standing} />`, place("standing"));
+  render(html`<${rest.Mayday} />`, place("foot"));
 }
 
 /** The tag and mission that an address of this page names. */
@@ -80,25 +55,38 @@ function here(address = new URL(location.href)) {
   return /** @type {const} */ ([first === "t" ? decodeURIComponent(tag ?? "") : "", address.searchParams.get("mission")]);
 }
 
-addEventListener("popstate", () => touch(...here(), true));
+/** Until the browser has painted, or would have: a page in the background paints nothing. */
+const painted = () => new Promise((resolve) => {
+  requestAnimationFrame(() => setTimeout(resolve));
+  setTimeout(resolve, 300);
+});
+
+/** @returns {Promise<typeof import("./rest.js")>} once it is here, however long the server is out of reach */
+async function theRest() {
+  const trouble = say("half_loaded");
+  for (;;) {
+    try {
+      const found = await import("./rest.js");
+      if (state.trouble === trouble) state.trouble = "";
+      return found;
+    } catch {
+      changed({ trouble });
+      await new Promise((resolve) => setTimeout(resolve, RETRY_MS));
+    }
+  }
+}
 
 document.documentElement.lang = language();
-page.textContent = "";
-onChange(draw);
-onReach(changed);
-watchCompass(changed);
-countSteps(changed);
 await openPockets();
+onChange(draw);
+place("page").textContent = "";
 const [tagId, mission] = here();
-if (tagId) touch(tagId, mission, true);
-else answer();
-changed();
-askWho();
-openOutbox();
-keepFresh();
-lookForOrders();
-setInterval(changed, AGES_MS); // ages go on
-keepHere();
+if (!tagId) answer();
+touch(tagId, mission, true);
+addEventListener("popstate", () => touch(...here(), true));
+await painted();
+rest = await theRest();
+rest.start();
 // an installed page that is open takes the tag that was touched, without loading anything
 /** @type {any} */ (globalThis).launchQueue?.setConsumer((/** @type {{targetURL?: string}} */ { targetURL }) => {
   if (targetURL && targetURL !== location.href) touch(...here(new URL(targetURL)));

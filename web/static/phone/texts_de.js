@@ -70,6 +70,7 @@ export const DE = {
   age_seconds: "{n} s alt", age_minutes: "{n} min alt", age_hours: "{n} h alt",
   age_days: { one: "{n} Tag alt", other: "{n} Tage alt" },
   age_unknown: "Alter unbekannt: Die Uhr dieses Telefons wurde zurückgestellt",
+  half_loaded: "Diese Seite ist erst zur Hälfte geladen: sie versucht es weiter. In Reichweite des Servers bleiben oder neu laden.",
   no_signal: "Kein Netz. Es geht weiter mit dem, was auf diesem Telefon ist.",
   logged_out: {
     one: "Sie sind abgemeldet. Eine Meldung bleibt hier und geht hinaus, wenn Sie sich anmelden.",

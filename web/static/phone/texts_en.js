@@ -69,6 +69,7 @@ export const EN = {
   age_seconds: "{n} s old", age_minutes: "{n} min old", age_hours: "{n} h old",
   age_days: { one: "{n} day old", other: "{n} days old" },
   age_unknown: "of unknown age: this phone's clock was set back",
+  half_loaded: "Only half of this page could be loaded: it tries again. Stay in reach of the server, or reload.",
   no_signal: "No signal. All goes on with what is on this phone.",
   logged_out: {
     one: "You are logged out. One report is kept and goes out when you log in.",

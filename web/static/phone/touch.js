@@ -1,7 +1,6 @@
 /** A tag was read: answer from what the phone carries, at once; then ask for the newest. */
 
 import { begin } from "./between.js";
-import { askMemory } from "./memory_view.js";
 import { add, onOutbox, waiting } from "./outbox.js";
 import { keptOf, missionOf, missions, open, refresh, refreshAll } from "./pockets.js";
 import { reach, read, remember } from "./reach.js";
@@ -56,8 +55,8 @@ export async function touch(tagId, mission = null, isBack = false) {
   const address = tagId ? `/t/${encodeURIComponent(tagId)}${mission ? `?mission=${encodeURIComponent(mission)}` : ""}` : "/phone";
   if (!isBack && location.pathname + location.search !== address) history.pushState(null, "", address);
   wanted = mission;
-  changed({ tagId, before, where: null, route: null, said: "", trouble: "", form: "", scanning: false, foreign: null, choices: [] });
-  if (!tagId) return;
+  Object.assign(state, { tagId, before, where: null, route: null, said: "", trouble: "", form: "", scanning: false, foreign: null, choices: [] });
+  if (!tagId) return changed();
   remember(LAST, { tag: tagId, before });
   answer();
   begin();
@@ -67,6 +66,7 @@ export async function touch(tagId, mission = null, isBack = false) {
   const mission_id = missionId();
   if (state.tagId !== tagId || !state.where) return;
   add("at", mission_id, { tag_id: tagId });
+  const { askMemory } = await import("./memory_view.js");
   askMemory(mission_id, tagId);
 }
 

@@ -1,0 +1,82 @@
+"""What the server makes of the pages' sources: once, kept compressed, and anew when a source has changed."""
+
+from __future__ import annotations
+
+import gzip
+import hashlib
+import mimetypes
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from fastapi import Request
+from fastapi.responses import Response
+
+from web.bundle import Sources
+from web.shell import shell, worker
+
+_NEVER_CHANGES = "public, max-age=31536000, immutable"  # its address names its content
+
+
+@dataclass(frozen=True, slots=True)
+class Ready:
+    """An answer that is ready to be sent."""
+
+    body: bytes
+    packed: bytes
+    kind: str
+    etag: str
+    headers: Mapping[str, str]
+
+    def response(self, request: Request) -> Response:
+        """Return it as this browser takes it, or 304 when the browser has it already."""
+        headers = {**self.headers, "ETag": self.etag, "Vary": "Accept-Encoding"}
+        if request.headers.get("if-none-match") == self.etag:
+            return Response(status_code=304, headers=headers)
+        if "gzip" in request.headers.get("accept-encoding", ""):
+            return Response(
+                self.packed, headers={**headers, "Content-Encoding": "gzip"}, media_type=self.kind
+            )
+        return Response(self.body, headers=headers, media_type=self.kind)
+
+
+class Made:
+    """Pages and combined files by address."""
+
+    def __init__(self, sources: Sources, headers: Mapping[str, str]) -> None:
+        self._sources = sources
+        self._headers = headers
+        self._state: object = None
+        self._ready: Mapping[str, Ready] = {}
+
+    def find(self, address: str) -> Ready | None:
+        """Return what is at an address, None where nothing is.
+
+        Raises:
+            CombineError: scripts cannot be combined.
+            OSError: a file that a page names is not there.
+        """
+        state = self._sources.state()
+        if state != self._state:
+            self._ready = self._make()
+            self._state = state
+        return self._ready.get(address)
+
+    def _make(self) -> dict[str, Ready]:
+        kept = shell(self._sources)
+        ready = {
+            address: self._made(address, data)
+            for address, data in kept.files.items()
+            if address.startswith("/app/")
+        }
+        ready["/phone"] = self._ready_as(kept.page, "text/html", self._headers)
+        ready["/sw.js"] = self._ready_as(worker(self._sources, kept), "text/javascript", self._headers)
+        return ready
+
+    def _made(self, address: str, data: bytes) -> Ready:
+        kind = mimetypes.guess_type(address)[0] or "text/javascript"
+        return self._ready_as(data, kind, {**self._headers, "Cache-Control": _NEVER_CHANGES})
+
+    @staticmethod
+    def _ready_as(data: bytes, kind: str, headers: Mapping[str, str]) -> Ready:
+        etag = f'"{hashlib.sha256(data).hexdigest()[:20]}"'
+        return Ready(data, gzip.compress(data, 9), kind, etag, headers)

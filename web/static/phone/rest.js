@@ -1,0 +1,65 @@
+/** The rest of the phone's page, loaded once the answer stands: plan, memory, leaving word, other tags, orders, and what keeps it fresh. */
+
+import { html } from "../console/vendor.js";
+import { Alarm, lookForOrders, Mayday } from "./alarm.js";
+import { countSteps, placeNow } from "./between.js";
+import { askForSensors, needsAsking, watchCompass } from "./compass.js";
+import { Doubt, Entry } from "./entry.js";
+import { MemoryView } from "./memory_view.js";
+import { openOutbox } from "./outbox.js";
+import { PlanView } from "./plan.js";
+import { askWho, onReach } from "./reach.js";
+import { Word } from "./report.js";
+import { keepHere } from "./shell.js";
+import { Standing } from "./standing.js";
+import { changed, state } from "./state.js";
+import { language, LANGUAGES, say, speak } from "./texts.js";
+import { answer, keepFresh } from "./touch.js";
+import { metres } from "./words.js";
+
+export { Alarm, Doubt, Mayday, Standing };
+
+const AGES_MS = 10_000;
+
+/** Where no tag was read. */
+export function WhichTag() {
+  return html`<${Entry} /><${Languages} />`;
+}
+
+/** Below the answer. @param {{mission: string}} props its name */
+export function AtTag({ mission }) {
+  return html`${state.pocket && html`<${Between} /><${PlanView} />`}
+    <${MemoryView} />
+    <${Word} />
+    <h2>${say("at_another_tag")}</h2><${Entry} />
+    <p class="soft">${mission}</p><${Languages} />`;
+}
+
+/** How far the phone has come from the tag by its own steps. */
+function Between() {
+  const place = placeNow();
+  if (place) return html`<p>${say("steps", { n: place.steps, tag: state.tagId, far: metres(2 * place.sd_m) })}</p>`;
+  return needsAsking() && state.heading === null
+    && html`<button type="button" onClick=${askForSensors}>${say("use_compass")}</button>`;
+}
+
+/** Speaking another language. */
+function Languages() {
+  const others = Object.entries(LANGUAGES).filter(([name]) => name !== language());
+  return html`${others.map(([name, { name: own }]) => html`<button key=${name} type="button" lang=${name}
+    onClick=${() => { speak(name); answer(); changed(); }}>${own}</button>`)}`;
+}
+
+/** Begin all that goes on while the page is open. */
+export function start() {
+  changed();
+  onReach(changed);
+  watchCompass(changed);
+  countSteps(changed);
+  askWho();
+  openOutbox();
+  keepFresh();
+  lookForOrders();
+  setInterval(changed, AGES_MS); // ages go on
+  keepHere();
+}
