@@ -17,7 +17,8 @@ from robots.sim.arena.run import Arena
 from robots.sim.scenario import ScenarioConfig
 
 TEAMS: Mapping[str, Sequence[int]] = {"tags": (1, 5, 20, 50), "full": (1, 5, 20)}
-_SECONDS = 60.0
+_SECONDS = 40.0
+_GROUPS = 8  # of each size that is smaller than the largest
 _SETTLED_S = 20.0  # the first decisions are about next to nothing
 
 
@@ -38,16 +39,35 @@ class _Timed(Scout):
 
 
 def measure(teams: Mapping[str, Sequence[int]] = TEAMS, seconds: float = _SECONDS) -> dict[str, Any]:
-    """Return the median cost in ms of processor time, by communication and number of robots."""
+    """Return the median cost in ms of processor time, by communication and number of robots.
+
+    With tags only, robots of the largest team also explore in smaller ones, each from where it starts in the
+    large one: what differs is the company. Teams take turns.
+    """
     found: dict[str, Any] = {}
     for communication, sizes in teams.items():
-        for robots in sizes:
-            found[f"{communication}_{robots}_robots_ms"] = _cost_ms(communication, robots, seconds)
+        spent_ms: dict[int, list[float]] = {robots: [] for robots in sizes}
+        whole = max(sizes) if communication == "tags" else 0  # who talks is one of a fixed team
+        turns = [(first, n) for n in sizes for first in _firsts(n, whole or n)]
+        for first, robots in sorted(turns):
+            _play(communication, whole or robots, slice(first, first + robots), seconds, spent_ms[robots])
+        found |= {f"{communication}_{robots}_robots_ms": _median(spent_ms[robots]) for robots in sizes}
     tags = [found[f"tags_{robots}_robots_ms"] for robots in teams["tags"]]
     return {**found, "tags_largest_by_smallest": max(tags) / min(tags)}
 
 
-def _cost_ms(communication: str, robots: int, seconds: float) -> float:
+def _firsts(robots: int, whole: int) -> Sequence[int]:
+    """Return where teams of so many begin in the list of all robots, spread over it."""
+    firsts = range(0, whole - robots + 1, robots)
+    return firsts[:: max(1, len(firsts) // _GROUPS)]
+
+
+def _median(spent_ms: Sequence[float]) -> float:
+    return float(np.median(spent_ms))
+
+
+def _play(communication: str, robots: int, who: slice, seconds: float, spent_ms: list[float]) -> None:
+    """Let some robots of a team explore without the others, and note what their decisions cost."""
     planning = override(PlanningConfig(coordinate="hungarian"), {"communication": communication})
     scenario = ScenarioConfig(
         map="office:1240",
@@ -58,10 +78,8 @@ def _cost_ms(communication: str, robots: int, seconds: float) -> float:
         victims=0,
         agent_config=AgentConfig(planning=planning),
     )
-    config = ArenaConfig(scenario, "at once", limit_s=seconds)
-    arena = Arena(config, ground_of(scenario))
-    spent_ms: list[float] = []
+    arena = Arena(ArenaConfig(scenario, "at once", limit_s=seconds), ground_of(scenario))
+    arena.robots = arena.robots[who]
     for robot in arena.robots:
         robot.scout = _Timed(robot.robot_id, robot.scout.config, spent_ms)
     arena.play()
-    return float(np.median(spent_ms))

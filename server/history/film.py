@@ -24,9 +24,10 @@ _LONGEST_S = 600.0
 
 
 class _Material(msgspec.Struct):
-    """What the process is given: chunks, oldest first, and pictures by version of the map."""
+    """What the process is given: chunks, oldest first, their length, and pictures by version of the map."""
 
     chunks: list[bytes]
+    length_s: float
     pictures: dict[int, bytes]
 
 
@@ -53,8 +54,9 @@ async def make_film(store: Store, mission_id: str) -> bytes:
         DatabaseError: the database cannot be read.
     """
     past = Past(store, mission_id)
+    length_s = sum(span.ends_unix_s - span.begins_unix_s for span in await past.spans())
     material = _Material(
-        [chunk async for chunk in past.chunks()], await store.history.pictures_of(mission_id)
+        [chunk async for chunk in past.chunks()], length_s, await store.history.pictures_of(mission_id)
     )
     if not material.chunks:
         raise ApiError(
@@ -90,7 +92,9 @@ def main() -> None:
         return None if png is None else grid_of(shown, png)
 
     with out:
-        out.write(record((step for chunk in material.chunks for step in steps(chunk)), grid))
+        out.write(
+            record((step for chunk in material.chunks for step in steps(chunk)), grid, material.length_s)
+        )
 
 
 if __name__ == "__main__":

@@ -10,17 +10,23 @@ from web.viser.scene import MissionScene
 
 _POSES_S = 1.0
 _SLOW_S = 10.0  # walls and trails: large, and in a film nobody sees them come
+_SLOW_DRAWINGS = 60  # of them in a film, however long: they are most of its work and of its bytes
 _STOOD_S = 20.0  # as long without a change, and the mission stood: the film goes on at once
 
 Value = dict[str, Any]
 
 
-def record(steps: Iterable[tuple[float, dict[str, Value]]], grid_of: Callable[[Value], Grid | None]) -> bytes:
-    """Return the recording of states with their times, oldest first.
+def record(
+    steps: Iterable[tuple[float, dict[str, Value]]],
+    grid_of: Callable[[Value], Grid | None],
+    length_s: float,
+) -> bytes:
+    """Return the recording of states with their times, oldest first; ``length_s``: how long they are in all.
 
     ``grid_of`` gives the map of a state's value of ``map``, None where its picture was not kept.
     """
-    scene = MissionScene(slow_draw_s=_SLOW_S)
+    slow_s = max(_SLOW_S, length_s / _SLOW_DRAWINGS)
+    scene = MissionScene(slow_draw_s=slow_s)
     try:
         film = scene.serializer()
         last_s: float | None = None
@@ -43,7 +49,7 @@ def record(steps: Iterable[tuple[float, dict[str, Value]]], grid_of: Callable[[V
         if "map" in state:
             _put_map(scene, grid_of(state["map"]))
         scene.replace(state)
-        scene.draw(scene.take(film_s + _SLOW_S))  # what was not due yet
+        scene.draw(scene.take(film_s + slow_s))  # what was not due yet
         scene.look_from_above()
         return bytes(film.serialize())
     finally:
