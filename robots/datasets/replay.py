@@ -164,7 +164,7 @@ class _Day:
     def result(self, solved: TeamRobot) -> RobotReplay:
         graph = self.last.graph
         edges = edges_of(graph) if graph is not None else {}
-        anchors = graph.poses if graph is not None and self._slam in ("odometry", "rslam") else solved.anchors
+        anchors = graph.poses if graph is not None and self._slam == "odometry" else solved.anchors
         return RobotReplay(
             robot_id=self.robot_id,
             online=Trajectory(
