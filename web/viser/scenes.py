@@ -7,7 +7,6 @@ import secrets
 from collections.abc import AsyncIterator, Mapping, Sequence
 from typing import Any, Protocol
 
-from robots.team import TeamGrid
 from web.viser.colors import THEMES
 from web.viser.map_layer import Cells, Grid
 from web.viser.scene import MissionScene
@@ -26,6 +25,22 @@ class Board(Protocol):
 
     def subscribe(self) -> AsyncIterator[tuple[Mapping[str, dict[str, Any]], Sequence[str]]]:
         """Return an iterator of changes: values that were set, keys that were deleted."""
+
+
+class BaseMap(Protocol):
+    """What was known of the building before."""
+
+    @property
+    def cells(self) -> Cells:
+        """-1 unknown, 0..100, row 0 at the lowest y."""
+
+    @property
+    def origin_m(self) -> tuple[float, float]:
+        """The corner of cell (0, 0), x and y in metres."""
+
+    @property
+    def resolution_m(self) -> float:
+        """The side of a cell."""
 
 
 class PastScene:
@@ -139,7 +154,7 @@ class Scenes:
             for scene in running.scenes.values():
                 scene.update_map(cells, origin_m, resolution_m)
 
-    def update_base(self, mission_id: str, grid: TeamGrid | None) -> None:
+    def update_base(self, mission_id: str, grid: BaseMap | None) -> None:
         """Give a mission's scene its base map, None where there is none any more."""
         if running := self._running.get(mission_id):
             running.base = None if grid is None else Grid(grid.cells, grid.origin_m, grid.resolution_m)
