@@ -72,7 +72,6 @@ def test_the_plan_is_searched_measured_and_told_of(home: str, page: Page, robot_
     page.get_by_role("searchbox").fill((short_id(seen["tag"]) or "").lower().replace("-", " "))
     expect(page.locator(".found button").first).to_contain_text(seen["tag"])
     page.keyboard.press("Escape")
-    page.get_by_role("searchbox").blur()
     page.keyboard.press("/")
     page.keyboard.type(seen["tag"].lower())
     expect(page.locator(".found button").first).to_contain_text(seen["tag"])
@@ -80,13 +79,13 @@ def test_the_plan_is_searched_measured_and_told_of(home: str, page: Page, robot_
     expect(page.locator(".found button").first).to_be_focused()
     page.keyboard.press("Enter")
     expect(page.locator(f".tag-card[data-tag={seen['tag']}]")).to_be_visible()
+    expect(page.locator("#plan")).to_be_focused()  # keys are short cuts again
     page.get_by_label("Find a robot").fill(seen["victim"])
     page.keyboard.press("Enter")
     expect(page.locator(".victim-card")).to_have_class(re.compile("selected"))
     page.get_by_label("Find a robot").fill("nothing is called so")
     expect(page.get_by_text("Nothing here is called that.")).to_be_visible()
     page.keyboard.press("Escape")
-    page.locator("h2").first.click()  # out of the field
 
     # distances and areas: what is drawn is what the map's scale says, and Escape ends it
     page.keyboard.press("f")

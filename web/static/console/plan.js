@@ -66,7 +66,6 @@ export class Plan {
     this.building = new Building(this.map, store, {
       of: () => store.live.map,
       isShown: () => !store.best.isShown && !store.past.board,
-      onFree: (free_m2) => (store.exploredM2 = free_m2),
     });
     this.base = new Building(this.map, store, {
       of: () => store.board.baseMap,
@@ -77,12 +76,10 @@ export class Plan {
     this.past = new Building(this.map, store, {
       of: () => store.past.board?.map ?? null,
       isShown: () => store.past.board !== null,
-      onFree: () => {},
     }, 0);
     this.best = new Building(this.map, store, {
       of: () => store.best.content?.map ?? null,
       isShown: () => store.best.isShown,
-      onFree: () => {},
     });
     this.marks = new Marks(this.map, store, this.labels, (selected) => store.select(selected));
     this.map.on("dragstart", () => this.#setMode("free"));
