@@ -122,6 +122,7 @@ def test_a_mission_is_watched_and_stopped(
         expect(victim.locator(".history li").first).to_contain_text("live there 1", timeout=SOON_MS)
         victim.get_by_role("button", name="Undo").click()
         expect(victim.get_by_text("V: a potential victim")).to_be_visible(timeout=SOON_MS)
+        expect(victim.locator(".history li").first).to_contain_text("took a change back", timeout=SOON_MS)
         page.keyboard.press("Escape")
 
         # selecting shows the plan; STOP is confirmed, RESUME asks twice

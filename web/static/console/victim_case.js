@@ -61,8 +61,10 @@ export function VictimCase({ victim, store }) {
     <div class="case-row">
       <button type="button" aria-pressed=${isPicking} onClick=${move}>Move…</button>
       ${victim.place_m && html`<button type="button" onClick=${() => say(store, victim, { place_m: null })}>Where measured</button>`}
-      ${others.length > 0 && html`<select aria-label=${`Victim ${victim.victim_id} is the same as`} value=""
-        onChange=${(/** @type {any} */ event) => say(store, victim, { merged_into: event.currentTarget.value })}>
+      ${others.length > 0 && html`<select aria-label=${`Victim ${victim.victim_id} is the same as`} value="" onChange=${(/** @type {any} */ event) => {
+        const other = store.victims.get(event.currentTarget.value);
+        if (other) say(store, other, { merged_into: victim.victim_id }); // the one that is open stays, with all that was said of it
+      }}>
         <option value="">Same as…</option>${others.map(({ victim_id }) => html`<option>${victim_id}</option>`)}</select>`}
     </div>
     ${isPicking && html`<p class="order-state" role="status">Click on the plan: that is where the victim is.</p>`}
@@ -117,8 +119,12 @@ class History extends Component {
   constructor(props) {
     super(props);
     this.props = props;
-    /** @type {{entries: Entry[], trouble: string, of: string}} */
-    this.state = { entries: [], trouble: "", of: "" };
+    /** @type {{entries: Entry[], trouble: string, of: string, isOpen: boolean}} */
+    this.state = { entries: [], trouble: "", of: "", isOpen: false };
+  }
+
+  componentDidUpdate() {
+    if (this.state.isOpen) this.load();
   }
 
   async load() {
@@ -142,12 +148,11 @@ class History extends Component {
     } catch (error) {
       store.notify(`Not taken back. ${/** @type {Error} */ (error).message}`);
     }
-    this.setState({ of: "" });
   }
 
   render() {
     const { entries, trouble } = this.state;
-    return html`<details class="history" onToggle=${(/** @type {any} */ event) => event.currentTarget.open && this.load()}>
+    return html`<details class="history" onToggle=${(/** @type {any} */ event) => this.setState({ isOpen: event.currentTarget.open })}>
       <summary>History</summary>
       ${trouble && html`<p>${trouble}</p>`}
       ${!trouble && entries.length === 0 && html`<p>Nobody has said anything about this victim yet.</p>`}
