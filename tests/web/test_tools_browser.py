@@ -154,6 +154,21 @@ def test_measures_and_names_of_squares_are_exact(home: str, page: Page) -> None:
     }
 
 
+WINDOW_DRAWN = """async () => {
+  const { drawMemories } = await import("/static/console/ground.js");
+  const ctx = Object.assign(document.createElement("canvas"), { width: 100, height: 100 }).getContext("2d");
+  const view = { scale: 10, toX: (x_m) => 50 + 10 * x_m, toY: (y_m) => 50 - 10 * y_m };
+  drawMemories(ctx, view, { cell_m: 1, tags: [{ x_m: 1, y_m: 0, window: [".#.", "...", "o.."] }] });
+  return [[70, 50], [60, 40], [50, 40], [50, 60]].map(([x, y]) => ctx.getImageData(x, y, 1, 1).data[3] > 0);
+}"""
+
+
+def test_what_tags_tell_lies_where_it_is(home: str, page: Page) -> None:
+    """Of a window the first row is north, along x, and the first column west, along y."""
+    page.goto(f"{home}/login")
+    assert page.evaluate(WINDOW_DRAWN) == [True, False, True, False]
+
+
 def test_without_webgl_and_without_scripts_the_page_says_so(home: str, page: Page) -> None:
     made = {"data": {"name": "Drill", "mission_id": "drill"}, "headers": {"Origin": home}}
     assert page.request.post(f"{home}/api/v1/missions", **made).ok
