@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
-from hypothesis import settings
+from hypothesis import HealthCheck, settings
 
 from robots.agent import RobotAgent
 from robots.config import AgentConfig, DeploymentConfig
@@ -20,7 +20,13 @@ from robots.types import (
     WheelEncoders,
 )
 
-settings.register_profile("waymark", deadline=None, derandomize=True, max_examples=80)
+settings.register_profile(
+    "waymark",
+    deadline=None,
+    derandomize=True,
+    max_examples=80,
+    suppress_health_check=[HealthCheck.too_slow],  # timing never decides a test
+)
 settings.load_profile("waymark")
 
 Vector = np.ndarray

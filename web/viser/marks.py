@@ -17,7 +17,7 @@ from web.viser.seats import Wish
 from web.viser.shapes import outline, spike, unit_ring
 
 _RING = unit_ring()
-_POINTER = spike(0.28, 0.7)
+_POINTER = spike(0.15, 0.4)
 _ABOVE_FLOOR_M = 0.06
 _RADII_M = {"robot": 0.95, "victim": 0.6, "tag": 0.4, "note": 0.5}
 _CLEAR_M = {"robot": 1.6, "victim": 3.2, "tag": 1.5, "note": 2.6}  # over names, and low walls

@@ -53,7 +53,7 @@ def unit_disc(sides: int = 40) -> Mesh:
     return Mesh(np.vstack((np.zeros((1, 3)), rim)).astype(np.float32), np.array(faces, np.uint32))
 
 
-def unit_ring(inner: float = 0.74, sides: int = 40) -> Mesh:
+def unit_ring(inner: float = 0.86, sides: int = 40) -> Mesh:
     """Return a flat ring of outer radius 1 in the plane z = 0."""
     angles = np.linspace(0.0, 2.0 * pi, sides, endpoint=False)
     rim = np.stack((np.cos(angles), np.sin(angles), np.zeros(sides)), axis=1)

@@ -255,7 +255,8 @@ def _ring(heard: Heard, radio: Radio) -> Ring:
     """Return how far off a node is: of all distances within reach, each alike, as it sounds."""
     if heard.log_sd <= 0.0:
         return Ring(heard.node_id, heard.range_m, hypot(heard.sd_m, heard.place_sd_m))
-    s, centre = hypot(heard.log_sd, radio.gain_sd), min(heard.range_m, radio.reach_m)
+    s = hypot(heard.log_sd, radio.gain_sd)
+    centre = min(max(heard.range_m, NEAREST_M), radio.reach_m)
     furthest = min(radio.reach_m, centre * exp(5.0 * s))
     total = first = second = 0.0
     for k in range(_RING_STEPS):

@@ -11,6 +11,7 @@ import { html } from "./vendor.js";
 
 const STEP_S = 1;
 const LONG_STEP_S = 10;
+const FILM_TAKES = "Making it takes up to half a minute for twelve robots, and longer while the server is busy.";
 const ICONS = {
   play: "M4 2 14 8 4 14Z", pause: "M3 2h3.5v12H3ZM9.5 2H13v12H9.5Z", back: "M10 2 4 8l6 6Z", on: "M6 2l6 6-6 6Z",
   before: "M3 2h2v12H3ZM14 2 6 8l8 6Z", after: "M11 2h2v12h-2ZM2 2l8 6-8 6Z",
@@ -54,7 +55,8 @@ export function TimeBar({ store, marks }) {
     <a class="time-wide" href=${`/api/v1${missionPath(past.missionId)}/report.html`} target="_blank" rel="noopener"
       title="Everything so far in one file, to hand over or print">Report</a>
     <a class="time-wide" href=${`/viser/${encodeURIComponent(past.missionId)}/?hideViserLogo&darkMode&playbackPath=/api/v1${missionPath(past.missionId)}/history/recording.viser`}
-      target="_blank" rel="noopener" title="The mission so far in 3D, to play and to keep; making it takes up to some minutes">3D film</a>`;
+      target="_blank" rel="noopener" title=${`The mission so far in 3D, to play and to keep. ${FILM_TAKES}`}
+      onClick=${() => store.notify(`The 3D film opens in another tab. ${FILM_TAKES}`)}>3D film</a>`;
 }
 
 /** @param {{icon: keyof typeof ICONS, label: string, isWide?: boolean, onClick: () => void}} props */

@@ -43,7 +43,7 @@ def test_three_nodes_without_noise_tell_the_very_place(truth, turn, by_signal):
 
 def test_the_covariance_is_honest():
     """NEES over many places, nodes and errors: of signals with a gain that nobody knows, and of metres."""
-    for by_signal, least in ((True, 0.93), (False, 0.92)):
+    for by_signal in (True, False):
         nees, inside = [], 0
         for seed in range(120):
             rng = np.random.default_rng(seed)
@@ -64,7 +64,7 @@ def test_the_covariance_is_honest():
             inside += min(off) < 5.99
             if len(off) == 1:
                 nees.append(min(off[0], 25.0))
-        assert inside / 120 > least
+        assert inside / 120 > 0.89  # 0.95 less three deviations
         assert 1.5 < np.mean(nees) < 2.4  # of 2; two dimensions
 
 
