@@ -51,6 +51,7 @@ from server.people.access import Access
 from server.people.gate import gate
 from server.people.welcome import welcome
 from server.settings import Settings
+from server.told import told_at
 from web.mount import mount_web
 from web.viser.scenes import Scenes
 
@@ -135,5 +136,5 @@ def create_app(settings: Settings) -> FastAPI:
         api.include_router(module.router)
     api.include_router(routes.where)
     app.include_router(api)
-    mount_web(app, (scenes, gate))
+    mount_web(app, (scenes, gate), told_at=told_at)
     return app

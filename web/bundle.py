@@ -1,32 +1,34 @@
-"""A page with its own styles in one file and its own scripts in two, made by the server from the sources."""
+"""A page with its own styles and first script within it, made by the server from the sources."""
 
 from __future__ import annotations
 
+import base64
 import hashlib
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from web.combine import combine
+from web.combine import CombineError, combine
 from web.lean import lean_file
 
 _STYLE = re.compile(rb'[ \t]*<link rel="stylesheet" href="(/static/[^"]+)">\n')
 _SCRIPT = re.compile(rb'[ \t]*<script type="module"[^>]* src="(/static/[^"]+)"></script>\n')
+_ENDS = re.compile(
+    rb"</(?:script|style)|<!--", re.IGNORECASE
+)  # what a script or style within a page may not hold
 
 
 @dataclass(frozen=True, slots=True)
 class Bundle:
-    """A page and what it loads: address -> bytes. Addresses change with what is behind them."""
+    """A page with what it needs first within it; ``later``: address -> bytes, changes with what is behind it.
+
+    ``hashes`` are those of its style and script, as a content security policy names them.
+    """
 
     page: bytes
-    early: Mapping[str, bytes]
+    hashes: Mapping[str, str]
     later: Mapping[str, bytes]
-
-    @property
-    def files(self) -> Mapping[str, bytes]:
-        """All files but the page."""
-        return {**self.early, **self.later}
 
 
 class Sources:
@@ -55,28 +57,35 @@ class Sources:
 
 
 def bundle(folder: str, sources: Sources) -> Bundle:
-    """Return the page of a folder under /static, which loads its styles and scripts combined.
+    """Return the page of a folder under /static with its styles and its scripts' first half within it.
 
     Raises:
-        CombineError: its scripts cannot be combined.
+        CombineError: its scripts cannot be combined, or not be put into a page.
     """
     page = (sources.static / folder / "index.html").read_bytes()
     style = b"".join(sources.read(address.decode()) for address in _STYLE.findall(page))
-    names = {"style": f"{folder}.css", "first": f"{folder}.js", "later": f"{folder}.later.js"}
     entries = [address.decode() for address in _SCRIPT.findall(page)]
-    scripts = combine(entries, lambda address: sources.read(address).decode(), f"./{names['later']}")
-    first, later = scripts.first.encode(), scripts.later.encode()
-    version = hashlib.sha256(b"\0".join((style, first, later))).hexdigest()[:16]
-    at = {part: f"/app/{version}/{name}" for part, name in names.items()}
-    page = _in_one(_STYLE, page, f'  <link rel="stylesheet" href="{at["style"]}">\n')
+    scripts = combine(entries, lambda address: sources.read(address).decode())
+    later = scripts.later.encode()
+    address = f"/app/{hashlib.sha256(later).hexdigest()[:16]}/{folder}.later.js"
+    first = scripts.first(address).encode()
+    for part in (style, first):
+        if found := _ENDS.search(part):
+            raise CombineError(
+                f"A style or script of /{folder} holds {found.group().decode()}: write it in two parts."
+            )
+    page = _in_one(_STYLE, page, b"  <style>%s</style>\n" % style)
     # nothing is painted before the script has run: the first paint is then its first answer
-    page = _in_one(
-        _SCRIPT, page, f'  <script type="module" blocking="render" src="{at["first"]}"></script>\n'
-    )
-    return Bundle(page, {at["style"]: style, at["first"]: first}, {at["later"]: later} if later else {})
+    page = _in_one(_SCRIPT, page, b'  <script type="module" blocking="render">%s</script>\n' % first)
+    hashes = {"style-src": _hash(style), "script-src": _hash(first)}
+    return Bundle(page, hashes, {address: later} if later else {})
 
 
-def _in_one(these: re.Pattern[bytes], page: bytes, one: str) -> bytes:
-    """Put one line in the place of the first of many, and leave the others out."""
-    found = iter([one.encode()])
+def _hash(part: bytes) -> str:
+    return f"'sha256-{base64.b64encode(hashlib.sha256(part).digest()).decode()}'"
+
+
+def _in_one(these: re.Pattern[bytes], page: bytes, one: bytes) -> bytes:
+    """Put one in the place of the first of many, and leave the others out."""
+    found = iter([one])
     return these.sub(lambda _: next(found, b""), page)

@@ -1,8 +1,8 @@
 """Many ES modules as two scripts: what a page needs first, and what it asks for by ``import()`` later.
 
 Each module becomes a function with a scope of its own, called at once, in the order in which browsers run
-modules. What it exports becomes one object, kept in ``modules`` under the module's address: nothing is
-renamed, and each module is there once.
+modules. What it exports becomes one object, kept in the page's ``modules$`` under the module's address:
+nothing is renamed, and each module is there once.
 """
 
 from __future__ import annotations
@@ -24,9 +24,9 @@ _DEFAULT = re.compile(_BEGINS + r"export default (?!(?:async )?(?:function\*?|cl
 _EXPORTED = re.compile(r"^export (?=(?:const|class|(?:async )?function\*?)\s+([\w$]+))", re.MULTILINE)
 _AWAITS = re.compile(r"^\S.*\bawait\b|^await\b", re.MULTILINE)  # on a line that is not within a function
 _LEFT = re.compile(r"^(?:import\b(?!\()|export\b).*", re.MULTILINE)
+_BEGIN = "const modules = (globalThis.modules$ = {});\n"
 # the later script does not import the first, which may be waiting for it
-_BEGIN_LATER = """export const modules = {};
-let asked$;
+_BEGIN_LATER = """let asked$;
 const later$ = () => (asked$ ??= import("LATER").then(({ run }) => run(modules, later$)).catch((error) => {
   asked$ = undefined;
   throw error;
@@ -42,10 +42,14 @@ class CombineError(ValueError):
 class Combined:
     """The two scripts (``later`` is empty where nothing is imported later), and their modules as they run."""
 
-    first: str
+    body: str
     later: str
     first_modules: tuple[str, ...]
     later_modules: tuple[str, ...]
+
+    def first(self, later: str) -> str:
+        """Return the first script, which finds the other at the address ``later``."""
+        return _BEGIN + (_BEGIN_LATER.replace("LATER", later) if self.later else "") + self.body
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,8 +60,8 @@ class _Module:
     body: str
 
 
-def combine(entries: Iterable[str], read: Callable[[str], str], later: str) -> Combined:
-    """Return all that ``entries`` import as two scripts; the first finds the other at the address ``later``.
+def combine(entries: Iterable[str], read: Callable[[str], str]) -> Combined:
+    """Return all that ``entries`` import as two scripts.
 
     ``read`` returns a module's text by its address, or raises OSError. What is imported later runs, all of it
     together, when the first of it is asked for.
@@ -74,11 +78,10 @@ def combine(entries: Iterable[str], read: Callable[[str], str], later: str) -> C
         asked = _asked_for(known)
     later_modules = tuple(address for address in known if address not in first_modules)
     blocks = {address: _block(address, known, frozenset(later_modules)) for address in known}
-    begin = _BEGIN_LATER.replace("LATER", later) if later_modules else "export const modules = {};\n"
     first = "".join(map(blocks.__getitem__, first_modules))
     rest = "".join(map(blocks.__getitem__, later_modules))
     run = f"export async function run(modules, later$) {{\n{rest}}}\n" if rest else ""
-    return Combined(begin + first, run, first_modules, later_modules)
+    return Combined(first, run, first_modules, later_modules)
 
 
 def resolved(of: str, to: str) -> str:

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import gzip
 import hashlib
+import json
 import mimetypes
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 from fastapi import Request
 from fastapi.responses import Response
@@ -14,6 +16,7 @@ from fastapi.responses import Response
 from web.bundle import Sources
 from web.shell import shell, worker
 
+_TOLD = b'<script type="application/json" id="told">'
 _NEVER_CHANGES = "public, max-age=31536000, immutable"  # its address names its content
 
 
@@ -37,6 +40,13 @@ class Ready:
                 self.packed, headers={**headers, "Content-Encoding": "gzip"}, media_type=self.kind
             )
         return Response(self.body, headers=headers, media_type=self.kind)
+
+    def telling(self, told: Mapping[str, Any]) -> Ready:
+        """Return the page with what is told to this reader alone: as data, which no text in it can end."""
+        text = json.dumps(told, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
+        body = self.body.replace(_TOLD, _TOLD + text.encode(), 1)
+        headers = {**self.headers, "Cache-Control": "private, no-store"}
+        return _ready(body, self.kind, headers, level=4)
 
 
 class Made:
@@ -68,15 +78,18 @@ class Made:
             for address, data in kept.files.items()
             if address.startswith("/app/")
         }
-        ready["/phone"] = self._ready_as(kept.page, "text/html", self._headers)
-        ready["/sw.js"] = self._ready_as(worker(self._sources, kept), "text/javascript", self._headers)
+        policy = self._headers.get("Content-Security-Policy", "")
+        for kind, hashed in kept.hashes.items():
+            policy = policy.replace(f"{kind} 'self'", f"{kind} 'self' {hashed}")
+        ready["/phone"] = _ready(kept.page, "text/html", {**self._headers, "Content-Security-Policy": policy})
+        ready["/sw.js"] = _ready(worker(self._sources, kept), "text/javascript", self._headers)
         return ready
 
     def _made(self, address: str, data: bytes) -> Ready:
         kind = mimetypes.guess_type(address)[0] or "text/javascript"
-        return self._ready_as(data, kind, {**self._headers, "Cache-Control": _NEVER_CHANGES})
+        return _ready(data, kind, {**self._headers, "Cache-Control": _NEVER_CHANGES})
 
-    @staticmethod
-    def _ready_as(data: bytes, kind: str, headers: Mapping[str, str]) -> Ready:
-        etag = f'"{hashlib.sha256(data).hexdigest()[:20]}"'
-        return Ready(data, gzip.compress(data, 9), kind, etag, headers)
+
+def _ready(data: bytes, kind: str, headers: Mapping[str, str], level: int = 9) -> Ready:
+    etag = f'"{hashlib.sha256(data).hexdigest()[:20]}"'
+    return Ready(data, gzip.compress(data, level), kind, etag, headers)

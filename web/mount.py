@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import hashlib
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import Any
 
 from fastapi import FastAPI, Request
 from fastapi.responses import HTMLResponse, PlainTextResponse, Response
@@ -124,11 +125,13 @@ def mount_web(
     app: FastAPI,
     viser: tuple[ScenePorts, Gate] | None = None,
     node_modules: Path = NODE_MODULES,
+    told_at: Callable[[Request, str], Mapping[str, Any] | None] = lambda _request, _tag: None,
 ) -> None:
     """Add the pages, /static, /vendor, /favicon.ico and, if given, /viser to the app.
 
     ``viser``: what tells the loopback port of a mission's viser server, and who may see it;
-    ``node_modules`` is npm's folder.
+    ``node_modules`` is npm's folder; ``told_at`` returns what to write into the phone's page at a tag, None
+    where there is nothing to say, or nothing for whoever asks.
     """
 
     async def console(request: Request) -> Response:
@@ -150,14 +153,17 @@ def mount_web(
 
     made = Made(Sources(STATIC, vendor_files), SECURITY_HEADERS)
 
-    def find(request: Request, address: str) -> Response:
+    def find(request: Request, address: str, told: Mapping[str, Any] | None = None) -> Response:
         if any(not path.is_file() for path in vendor_files.values()):
             return HTMLResponse(_MISSING_PAGE, status_code=503, headers=dict(SECURITY_HEADERS))
         ready = made.find(address)
+        if ready and told is not None:
+            ready = ready.telling(told)
         return ready.response(request) if ready else PlainTextResponse(_NOT_HERE, status_code=404)
 
     async def phone(request: Request) -> Response:
-        return find(request, "/phone")
+        tag_id = request.path_params.get("tag_id")
+        return find(request, "/phone", None if tag_id is None else told_at(request, tag_id))
 
     async def file(request: Request) -> Response:
         return find(request, request.url.path)

@@ -17,10 +17,13 @@ PAGE, _WORKER = "/phone", "/static/phone/sw.js"
 
 @dataclass(frozen=True, slots=True)
 class Shell:
-    """The phone's page and all that it loads: address -> bytes; ``early`` what its first answer needs."""
+    """The phone's page, which holds what its first answer needs, and all that it loads: address -> bytes.
+
+    ``hashes`` are those of the page's style and script, as a content security policy names them.
+    """
 
     files: Mapping[str, bytes]
-    early: tuple[str, ...]
+    hashes: Mapping[str, str]
 
     @property
     def page(self) -> bytes:
@@ -36,14 +39,14 @@ def shell(sources: Sources) -> Shell:
     """
     made = bundle("phone", sources)
     beside = _LINKS.findall(made.page.decode())
-    for script in (data.decode() for address, data in made.files.items() if address.endswith(".js")):
-        beside += _CLASSIC.findall(script)
+    for script in (made.page, *made.later.values()):
+        beside += _CLASSIC.findall(script.decode())
     files = {address: sources.read(address) for address in beside}
     for address in beside:
         if address.endswith(".webmanifest"):
             icons = [icon["src"] for icon in json.loads(files[address])["icons"]]
             files |= {icon: sources.read(icon) for icon in icons}
-    return Shell({PAGE: made.page, **made.files, **files}, (PAGE, *made.early))
+    return Shell({PAGE: made.page, **made.later, **files}, made.hashes)
 
 
 def worker(sources: Sources, kept: Shell) -> bytes:

@@ -14,6 +14,8 @@ from robots.tags.short_id import understood
 from server.api.common import ERRORS, READS, AllMissions, OneMission, Viewer
 from server.errors import ApiError
 from server.mission.whereabouts import whereabouts
+from server.missions import Missions
+from server.people.actor import Actor
 from server.people.audit import AuditedRoute
 from server.schemas.routes import LastOut, LegOut, NearVictimOut, NeighbourOut, RouteOut, TypedOut, WhereOut
 
@@ -66,6 +68,15 @@ async def get_where(
     tag_id: str, missions: AllMissions, by: Viewer, mission: OfMission = None, language: Speaks = "en"
 ) -> WhereOut:
     """Return where a tag is, in the latest running mission that has it, and what is near it."""
+    return where_of(missions, by, tag_id, mission, language)
+
+
+def where_of(missions: Missions, by: Actor, tag_id: str, mission: str | None, language: Language) -> WhereOut:
+    """Return where a tag is, of what this person or robot may see.
+
+    Raises:
+        ApiError: no mission that they may see has it.
+    """
     able = [
         m
         for m in missions.all()

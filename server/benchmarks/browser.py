@@ -15,10 +15,7 @@ from typing import Any
 
 _FLAGS = ["--no-sandbox", "--disable-background-networking", "--disable-component-update", "--no-first-run"]
 _STARTS_S = 120.0
-OWN_MODULE = """((address) => {
-  const script = document.querySelector('script[src^="/app/"]');
-  return script ? import(script.src).then(({ modules }) => modules[address]) : import(address);
-})"""
+OWN_MODULE = """(async (address) => globalThis.modules$?.[address] ?? import(address))"""
 """Script: a function that finds a module by its address, where a page has combined ones the page's own."""
 
 

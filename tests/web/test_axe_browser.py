@@ -86,6 +86,11 @@ def test_every_page_and_state_has_no_violation(link: str, page: Page, robot_log:
     page.get_by_role("button", name="Make a token").click()
     expect(page.locator(".secret")).to_be_visible()
     audit.look("people")
+    empty = 'id="told"></script>'
+    assert empty not in page.request.get(f"{home}/t/{seen['tag']}").text()
+    stranger = page.context.browser.new_context()  # type: ignore[union-attr]
+    assert empty in stranger.request.get(f"{home}/t/{seen['tag']}").text()  # who may not ask is told nothing
+    stranger.close()
     page.goto(f"{home}/t/{seen['tag']}")
     expect(page.get_by_role("heading", level=1)).to_be_visible()
     audit.look("phone at a tag")

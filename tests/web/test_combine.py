@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-import json
+import base64
+import gzip
+import hashlib
+import re
 from collections.abc import Mapping
 from typing import Any
 
@@ -13,10 +16,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from playwright.sync_api import Browser
 
-from web.bundle import Sources
+from web.bundle import Sources, bundle
 from web.combine import Combined, CombineError, combine
 from web.made import Made
-from web.mount import NODE_MODULES, STATIC, VENDOR_FILES, mount_web
+from web.mount import NODE_MODULES, SECURITY_HEADERS, STATIC, VENDOR_FILES, mount_web
 
 TALLY = """
 const run = [];
@@ -76,7 +79,7 @@ def combined(files: Mapping[str, str], *entries: str) -> Combined:
             raise FileNotFoundError(address)
         return files[address]
 
-    return combine(entries, read, "./all.later.js")
+    return combine(entries, read)
 
 
 def page_with(browser: Browser, serve: Any, files: Mapping[str, str]) -> Any:
@@ -94,9 +97,11 @@ def page_with(browser: Browser, serve: Any, files: Mapping[str, str]) -> Any:
 def test_combined_modules_do_in_a_browser_what_modules_do(browser: Browser, serve: Any) -> None:
     made = combined(FORMS, "/m/main.js")
     assert "/m/aside.js" in made.later_modules
-    page = page_with(browser, serve, {**FORMS, "/all.js": made.first, "/all.later.js": made.later})
+    page = page_with(
+        browser, serve, {**FORMS, "/all.js": made.first("./all.later.js"), "/all.later.js": made.later}
+    )
     plain = page.evaluate("import('/m/main.js').then(({ found, again }) => [found, again])")
-    one = page.evaluate("import('/all.js').then(({ modules }) => Object.values(modules['/m/main.js']))")
+    one = page.evaluate("import('/all.js').then(() => Object.values(modules$['/m/main.js']))")
     page.close()
     assert plain == one
     assert one == [FOUND, [True, True, ["shapes", "effect", "main", "aside"]]]
@@ -149,7 +154,7 @@ def test_each_module_is_there_once_behind_all_that_it_imports(above: list[set[in
     for place, k in enumerate(order):
         assert isfirst[k] <= set(order[:place])
         assert needs[k] <= set(order)
-        assert f'modules["/{k}.js"] = {{ ' in (made.first if place < len(made.first_modules) else made.later)
+        assert f'modules["/{k}.js"] = {{ ' in (made.body if place < len(made.first_modules) else made.later)
     reached, waiting = set(), [len(above) - 1]
     while waiting:
         k = waiting.pop()
@@ -165,7 +170,7 @@ def test_the_phones_modules_export_in_one_what_they_export_alone(browser: Browse
     page.goto(f"http://{serve(app)}/phone")
     found = page.evaluate(
         """async () => {
-          const { modules } = await import(document.querySelector("script[type=module]").src);
+          const modules = globalThis.modules$;
           while (!modules["/static/phone/rest.js"]) await new Promise((resolve) => setTimeout(resolve, 20));
           const differ = {};
           for (const [address, one] of Object.entries(modules)) {
@@ -199,14 +204,52 @@ def test_a_source_that_changes_makes_another_file(tmp_path: Any) -> None:
             copy = folder / path.relative_to(STATIC)
             copy.parent.mkdir(parents=True, exist_ok=True)
             copy.write_bytes(path.read_bytes())
-    made = Made(Sources(folder, {name: NODE_MODULES / file for name, file in VENDOR_FILES.items()}), {})
+    made = Made(
+        Sources(folder, {name: NODE_MODULES / file for name, file in VENDOR_FILES.items()}), SECURITY_HEADERS
+    )
     before = made.find("/phone")
     words = folder / "phone" / "words.js"
     words.write_text(words.read_text().replace("const UNCERTAIN_M", "const KEPT = 1;\nconst UNCERTAIN_M"))
     after = made.find("/phone")
     assert before is not None
     assert after is not None
-    script = json.dumps(after.body.decode())
     assert before.body != after.body
-    assert made.find(script.split('src=\\"')[1].split('\\"')[0]) is not None
-    assert made.find(json.dumps(before.body.decode()).split('src=\\"')[1].split('\\"')[0]) is None
+    assert b"const KEPT = 1" in after.body
+    policy = after.headers["Content-Security-Policy"]
+    script = re.search(rb'<script type="module"[^>]*>(.*?)</script>', after.body, re.DOTALL)[1]  # type: ignore[index]
+    assert f"'sha256-{base64.b64encode(hashlib.sha256(script).digest()).decode()}'" in policy
+    assert policy != before.headers["Content-Security-Policy"]
+    rest = folder / "phone" / "rest.js"
+    rest.write_text(rest.read_text() + "\nconst kept = 1;\n")
+    (one,) = re.findall(r"/app/[\w/.]+", after.body.decode())
+    (other,) = re.findall(r"/app/[\w/.]+", made.find("/phone").body.decode())  # type: ignore[union-attr]
+    assert one != other
+    assert made.find(other) is not None
+    assert made.find(one) is None
+
+
+def test_a_script_that_would_end_its_element_is_refused(tmp_path: Any) -> None:
+    page = '<script type="module" src="/static/odd/a.js"></script>\n'
+    (tmp_path / "odd").mkdir()
+    (tmp_path / "odd" / "index.html").write_text(page)
+    for text in ("</Script>", "<!--"):
+        (tmp_path / "odd" / "a.js").write_text(f'export const a = "{text}";')
+        with pytest.raises(CombineError, match="write it in two parts"):
+            bundle("odd", Sources(tmp_path, {}))
+
+
+def test_what_is_told_to_one_reader_is_data_whatever_it_says(browser: Browser, serve: Any) -> None:
+    vendor = {name: NODE_MODULES / file for name, file in VENDOR_FILES.items()}
+    made = Made(Sources(STATIC, vendor), SECURITY_HEADERS).find("/phone")
+    assert made is not None
+    hostile = "</script><img src=x onerror=alert(1)><!-- <script> \u2028 \" \\ ' &lt;"
+    told = made.telling({"language": "en", "where": {"tag_id": "A", "text": hostile, "victims": []}})
+    assert told.headers["Cache-Control"] == "private, no-store"
+    assert gzip.decompress(told.packed) == told.body
+    app = FastAPI()
+    app.get("/t/B")(lambda: Response(told.body, headers=dict(told.headers), media_type=told.kind))
+    page = browser.new_page()
+    page.goto(f"http://{serve(app)}/t/B")
+    assert page.evaluate("JSON.parse(document.getElementById('told').textContent).where.text") == hostile
+    assert page.locator("img").count() == 0
+    page.close()

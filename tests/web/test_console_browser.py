@@ -114,12 +114,15 @@ def test_a_mission_is_watched_and_stopped(
         victim.get_by_label("Breaths a minute").fill("34")
         victim.get_by_label("Breaths a minute").press("Enter")
         expect(victim.locator(".card-head .triage")).to_have_text("immediate", timeout=SOON_MS)
+        expect(victim.get_by_text("cannot walk, breathes 34 times a minute")).to_be_visible()
         victim.get_by_label("Live there").fill("1")
         victim.get_by_label("Live there").press("Tab")
         expect(victim.get_by_text("V, 1 live still there")).to_be_visible(timeout=SOON_MS)
         victim.get_by_text("History").click()
+        expect(victim.locator(".history li").first).to_contain_text("live there 1", timeout=SOON_MS)
         victim.get_by_role("button", name="Undo").click()
         expect(victim.get_by_text("V: a potential victim")).to_be_visible(timeout=SOON_MS)
+        expect(victim.locator(".history li").first).to_contain_text("took a change back", timeout=SOON_MS)
         page.keyboard.press("Escape")
 
         # selecting shows the plan; STOP is confirmed, RESUME asks twice
@@ -146,6 +149,15 @@ def test_a_mission_is_watched_and_stopped(
         expect(card).to_have_attribute("data-stop", "stopped", timeout=SOON_MS)
         expect(page.locator(".notice-alarm")).to_have_count(0)
         opened.errors.clear()  # the browser logs each request that was cut off
+        card.get_by_role("button", name="Resume r1").click()
+        card.get_by_role("button", name="Confirm: resume r1").click()
+        expect(card).to_have_attribute("data-stop", "free", timeout=SOON_MS)
+
+        # robots of a group are stopped in one action
+        page.get_by_role("checkbox", name="r1 is in the group").check()
+        page.get_by_role("button", name="Stop the group: r1").click(delay=HELD_MS)
+        expect(card).to_have_attribute("data-stop", "stopped", timeout=SOON_MS)
+        page.get_by_role("checkbox", name="r1 is in the group").uncheck()
         card.get_by_role("button", name="Resume r1").click()
         card.get_by_role("button", name="Confirm: resume r1").click()
         expect(card).to_have_attribute("data-stop", "free", timeout=SOON_MS)

@@ -114,6 +114,9 @@ def test_the_console_says_how_the_mission_stands_and_a_closed_one_is_read_only(
     expect(banner).to_contain_text("All robots stand still", timeout=SOON_MS)
     expect(page.get_by_role("button", name="Note")).to_be_enabled()
     page.locator(".mission-menu summary").click()
+    card = page.locator(".mission-menu .pop-card").bounding_box()
+    assert card is not None
+    assert card["x"] >= 0  # nothing of it lies beyond the edge of the page
     page.get_by_role("button", name="Close the mission").click()
     expect(banner).to_contain_text("nothing in it changes any more", timeout=SOON_MS)
     expect(page.get_by_role("button", name="Note")).to_be_disabled()

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import io
+import json
 import re
 import time
 from collections.abc import Iterator
 from math import atan2, degrees, hypot, log10, radians
 from typing import Any
 
+import httpx
 import pytest
 from PIL import Image
 from playwright.sync_api import Browser, BrowserContext, Page, expect
@@ -118,6 +120,24 @@ def test_a_tag_that_nobody_knows_is_named(field: Field, page: Page) -> None:
     page.goto(f"{field.home}/t/nowhere")
     expect(page.get_by_role("alert")).to_contain_text("No mission here knows a tag nowhere.", timeout=SOON_MS)
     expect(page.get_by_label("The number on the tag")).to_be_visible()
+
+
+def test_the_page_brings_the_answer_with_it(field: Field, context: BrowserContext) -> None:
+    tag = field.links[0][0]
+    context.route("**/api/**", lambda route: route.abort())
+    context.route("**/app/**", lambda route: route.abort())
+    page = context.new_page()
+    response = page.goto(f"{field.home}/t/{tag}?mission=drill")
+    expect(page.get_by_text(f"You are at tag {tag}.")).to_be_visible(timeout=SOON_MS)
+    assert response is not None
+    assert response.headers["cache-control"] == "private, no-store"
+    with httpx.Client(base_url=field.home, headers={"Accept-Language": "fr, de;q=0.8, en"}) as client:
+        (told,) = re.findall(r'id="told">(.*?)</script>', client.get(f"/t/{tag}").text)
+        assert json.loads(told)["language"] == "de"
+        where = client.get(f"/api/v1/where/{tag}", params={"language": "de"}).json()
+        assert json.loads(told)["where"] == where
+        for unknown in ("/t/nowhere", f"/t/{tag}?mission=other", "/phone"):
+            assert 'id="told"></script>' in client.get(unknown).text, unknown
 
 
 def test_a_phone_without_signal_opens_cold_answers_leads_and_keeps_reports(

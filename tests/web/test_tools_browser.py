@@ -72,7 +72,6 @@ def test_the_plan_is_searched_measured_and_told_of(home: str, page: Page, robot_
     page.get_by_role("searchbox").fill((short_id(seen["tag"]) or "").lower().replace("-", " "))
     expect(page.locator(".found button").first).to_contain_text(seen["tag"])
     page.keyboard.press("Escape")
-    page.get_by_role("searchbox").blur()
     page.keyboard.press("/")
     page.keyboard.type(seen["tag"].lower())
     expect(page.locator(".found button").first).to_contain_text(seen["tag"])
@@ -80,13 +79,13 @@ def test_the_plan_is_searched_measured_and_told_of(home: str, page: Page, robot_
     expect(page.locator(".found button").first).to_be_focused()
     page.keyboard.press("Enter")
     expect(page.locator(f".tag-card[data-tag={seen['tag']}]")).to_be_visible()
+    expect(page.locator("#plan")).to_be_focused()  # keys are short cuts again
     page.get_by_label("Find a robot").fill(seen["victim"])
     page.keyboard.press("Enter")
     expect(page.locator(".victim-card")).to_have_class(re.compile("selected"))
     page.get_by_label("Find a robot").fill("nothing is called so")
     expect(page.get_by_text("Nothing here is called that.")).to_be_visible()
     page.keyboard.press("Escape")
-    page.locator("h2").first.click()  # out of the field
 
     # distances and areas: what is drawn is what the map's scale says, and Escape ends it
     page.keyboard.press("f")
@@ -153,6 +152,21 @@ def test_measures_and_names_of_squares_are_exact(home: str, page: Page) -> None:
         "length": 10,
         "names": ["A00", "A00", "B00", "Z99", "Z99", "A00"],
     }
+
+
+WINDOW_DRAWN = """async () => {
+  const { drawMemories } = await import("/static/console/ground.js");
+  const ctx = Object.assign(document.createElement("canvas"), { width: 100, height: 100 }).getContext("2d");
+  const view = { scale: 10, toX: (x_m) => 50 + 10 * x_m, toY: (y_m) => 50 - 10 * y_m };
+  drawMemories(ctx, view, { cell_m: 1, tags: [{ x_m: 1, y_m: 0, window: [".#.", "...", "o.."] }] });
+  return [[70, 50], [60, 40], [50, 40], [50, 60]].map(([x, y]) => ctx.getImageData(x, y, 1, 1).data[3] > 0);
+}"""
+
+
+def test_what_tags_tell_lies_where_it_is(home: str, page: Page) -> None:
+    """Of a window the first row is north, along x, and the first column west, along y."""
+    page.goto(f"{home}/login")
+    assert page.evaluate(WINDOW_DRAWN) == [True, False, True, False]
 
 
 def test_without_webgl_and_without_scripts_the_page_says_so(home: str, page: Page) -> None:

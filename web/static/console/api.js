@@ -34,8 +34,10 @@ export async function request(method, path, body) {
   if (response.status === 204) return null;
   try {
     return await response.json();
-  } catch {
-    throw new ApiError("bad_answer", "The server's answer could not be read. Reload the page.", response.status);
+  } catch (error) {
+    throw error instanceof SyntaxError
+      ? new ApiError("bad_answer", "The server's answer could not be read. Reload the page.", response.status)
+      : new ApiError("unreachable", "The server does not answer.", 0); // its answer broke off half-way
   }
 }
 

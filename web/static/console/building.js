@@ -8,14 +8,15 @@ import { L } from "./vendor.js";
 /** @import {Store} from "./store.js" */
 
 const SHORTEST_PAUSE_MS = 500;
+const NOT_LOADED = "The building's map could not be loaded.";
 
 export class Building {
   /**
    * @param {import("leaflet").Map} map
    * @param {Store} store
-   * @param {{of: () => MapInfo | null, isShown: () => boolean, layer?: string, pane?: string, onFree?: (free_m2: number) => void,
+   * @param {{of: () => MapInfo | null, isShown: () => boolean, layer?: string, pane?: string,
    *   paint?: (pixels: Uint8ClampedArray, palette: number[][]) => void}} source which map, whether it is the one that
-   *   is looked at, the layer it is if not the building itself and the pane for it, who wants to know how much floor is in it, and what colours it otherwise than as a building
+   *   is looked at, the layer it is if not the building itself and the pane for it, and what colours it otherwise than as a building
    * @param {number} [pause_ms] shortest time between two pictures
    */
   constructor(map, store, source, pause_ms = SHORTEST_PAUSE_MS) {
@@ -58,10 +59,13 @@ export class Building {
       const bitmap = await createImageBitmap(new Blob([bytes], { type: "image/png" }));
       this.#show(bitmap, paletteOf(new Uint8Array(bytes)), info);
       this.shownAddress = address;
+      this.store.withdraw(NOT_LOADED);
     } catch (error) {
       // While the stream is down the veil says so already.
       if (this.store.connection.state === "live") {
-        this.store.notify(`The building's map could not be loaded: ${/** @type {Error} */ (error).message}`);
+        // A body that breaks off, or comes too late, is the browser's own error, in the browser's own words.
+        const why = error instanceof DOMException ? "The server is slow to answer." : /** @type {Error} */ (error).message;
+        this.store.notify(`${NOT_LOADED} ${why} It is tried again.`);
       }
     } finally {
       this.loading = false;
@@ -85,8 +89,7 @@ export class Building {
     ctx.drawImage(bitmap, 0, 0);
     bitmap.close();
     const image = ctx.getImageData(0, 0, width, height);
-    if (this.source.paint) this.source.paint(image.data, palette);
-    else this.source.onFree?.(paint(image.data, palette) * info.resolution_m ** 2);
+    (this.source.paint ?? paint)(image.data, palette);
     ctx.putImageData(image, 0, 0);
 
     const [x_m, y_m] = info.origin_m;
@@ -131,14 +134,13 @@ export function paletteOf(png) {
 }
 
 /**
- * Give every cell our own colours, by the class its colour stands for; returns how many cells are free.
+ * Give every cell our own colours, by the class its colour stands for.
  * @param {Uint8ClampedArray} pixels RGBA, changed in place
  * @param {number[][]} palette
  */
 export function paint(pixels, palette) {
   const [, free, occupied] = palette;
   const [floor, wall] = [rgb("floor"), rgb("wall")];
-  let count = 0;
   for (let at = 0; at < pixels.length; at += 4) {
     if (pixels[at + 3] < 128) continue;
     const isWall = distance(pixels, at, occupied) < distance(pixels, at, free);
@@ -146,9 +148,7 @@ export function paint(pixels, palette) {
     pixels[at] = r;
     pixels[at + 1] = g;
     pixels[at + 2] = b;
-    if (!isWall) count += 1;
   }
-  return count;
 }
 
 /**

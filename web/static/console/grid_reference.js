@@ -11,6 +11,7 @@ import { color } from "../theme.js";
 
 const SQUARE_M = 10;
 const SMALLEST_PX = 70;
+const TOOLS_PX = 52; // what lies over the plan, above and below
 
 /** @param {number} x_m @param {number} y_m */
 export function gridReference(x_m, y_m) {
@@ -49,7 +50,9 @@ export function drawGridReference(ctx, view) {
   for (let column = left; view.toX(column * SQUARE_M) < view.width; column += 1) {
     for (let row = low; view.toY((row + 1) * SQUARE_M) > -side; row += 1) {
       const [x_m, y_m] = [column * SQUARE_M, row * SQUARE_M];
-      ctx.fillText(gridReference(x_m, y_m), Math.max(0, view.toX(x_m)) + 5, Math.max(0, view.toY(y_m + SQUARE_M)) + 5);
+      const y = Math.max(TOOLS_PX, view.toY(y_m + SQUARE_M)) + 5;
+      const isSeen = y < view.height - TOOLS_PX && y + 20 < view.toY(y_m);
+      if (isSeen) ctx.fillText(gridReference(x_m, y_m), Math.max(0, view.toX(x_m)) + 5, y);
     }
   }
   ctx.globalAlpha = 1;

@@ -118,17 +118,23 @@ function drawContact(ctx, view, points, heard) {
   ctx.globalAlpha = 1;
 }
 
-/** @param {CanvasRenderingContext2D} ctx @param {View} view @param {Memories} memories */
-function drawMemories(ctx, view, { cell_m, tags }) {
+/**
+ * Cells of all windows, each colour laid on once however many tags tell of a place. The first row of a window is
+ * farthest along x, its first column farthest along y.
+ * @param {CanvasRenderingContext2D} ctx @param {View} view @param {Memories} memories
+ */
+export function drawMemories(ctx, view, { cell_m, tags }) {
   const side = cell_m * view.scale;
-  ctx.globalAlpha = 0.22;
-  for (const { x_m, y_m, window } of tags) {
-    const half_m = (window.length * cell_m) / 2;
-    window.forEach((row, r) => [...row].forEach((cell, c) => {
-      if (cell === ".") return;
-      ctx.fillStyle = color(cell === "o" ? "warn" : "seen");
-      ctx.fillRect(view.toX(x_m - half_m + c * cell_m), view.toY(y_m + half_m - r * cell_m), side - 1, side - 1);
-    }));
+  ctx.globalAlpha = 0.35;
+  for (const [sign, tone] of [["o", "warn"], ["#", "seen"]]) {
+    ctx.beginPath();
+    for (const { x_m, y_m, window } of tags) {
+      const half_m = (window.length * cell_m) / 2;
+      window.forEach((row, r) => [...row].forEach((cell, c) => cell === sign
+        && ctx.rect(view.toX(x_m + half_m - (r + 1) * cell_m), view.toY(y_m + half_m - c * cell_m), side, side)));
+    }
+    ctx.fillStyle = color(tone);
+    ctx.fill();
   }
   ctx.globalAlpha = 1;
 }

@@ -6,7 +6,6 @@ import { ellipse } from "./format.js";
 import { drawFrontiers } from "./frontiers.js";
 import { drawGridReference } from "./grid_reference.js";
 import { isDoubted } from "./labels.js";
-import { drawMeasured } from "./measure.js";
 import { drawAreas } from "./notes.js";
 import { drawResponders } from "./responders.js";
 
@@ -63,7 +62,6 @@ export const drawInk = (store) =>
     if (store.layers.plans) drawPlan(ctx, view, store);
     if (store.layers.tags) drawTags(ctx, view, store);
     if (store.layers.responders) drawResponders(ctx, view, store);
-    if (store.measured) drawMeasured(ctx, view, store.measured);
   };
 
 /**

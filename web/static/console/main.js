@@ -62,8 +62,8 @@ function openMission(missionId) {
   marks.open(missionId);
   store.clearBoard();
   store.missionId = missionId;
-  store.exploredM2 = 0;
   store.selected = null;
+  store.group.clear();
   store.connection = { state: "loading", heardAt: Date.now(), attempt: 0, retryAt: 0, reason: "" };
   const address = new URL(location.href);
   address.searchParams.set("mission", missionId);

@@ -16,7 +16,7 @@ export function markingWords({ live, dead, status }) {
 /** @param {{victim: Victim}} props */
 export function Markings({ victim }) {
   return html`<div class="markings">
-    <figure><${Insarag} victim=${victim} /><figcaption>INSARAG</figcaption></figure>
+    <figure><${Insarag} victim=${victim} /><figcaption>INSARAG 2020, 2027</figcaption></figure>
     <figure><${Fema} victim=${victim} /><figcaption>FEMA</figcaption></figure>
     <p>${markingWords(victim)}</p></div>`;
 }

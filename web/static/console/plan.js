@@ -7,7 +7,7 @@ import { drawGround, drawInk } from "./ink.js";
 import { Labels } from "./labels.js";
 import { Marks } from "./marks.js";
 import { drawEnds } from "./map_switch.js";
-import { addPoint } from "./measure.js";
+import { addPoint, drawMeasured } from "./measure.js";
 import { addCorner, placeOf } from "./notes.js";
 import { pickPlace } from "./robot_orders.js";
 import { drawSectors, openSector, sectorAt } from "./sectors.js";
@@ -62,11 +62,13 @@ export class Plan {
     this.ink = canvasLayer("ink", drawInk(store)).addTo(this.map);
     this.ends = canvasLayer("ink", drawEnds(store)).addTo(this.map);
     this.labels = new Labels(store, this.map);
-    this.names = canvasLayer("ink", (ctx, view) => this.labels.draw(ctx, view)).addTo(this.map);
+    this.names = canvasLayer("ink", (ctx, view) => {
+      this.labels.draw(ctx, view);
+      if (store.measured) drawMeasured(ctx, view, store.measured);
+    }).addTo(this.map);
     this.building = new Building(this.map, store, {
       of: () => store.live.map,
       isShown: () => !store.best.isShown && !store.past.board,
-      onFree: (free_m2) => (store.exploredM2 = free_m2),
     });
     this.base = new Building(this.map, store, {
       of: () => store.board.baseMap,
@@ -77,12 +79,10 @@ export class Plan {
     this.past = new Building(this.map, store, {
       of: () => store.past.board?.map ?? null,
       isShown: () => store.past.board !== null,
-      onFree: () => {},
     }, 0);
     this.best = new Building(this.map, store, {
       of: () => store.best.content?.map ?? null,
       isShown: () => store.best.isShown,
-      onFree: () => {},
     });
     this.marks = new Marks(this.map, store, this.labels, (selected) => store.select(selected));
     this.map.on("dragstart", () => this.#setMode("free"));

@@ -27,8 +27,11 @@ const STOP_WORDS = {
 /** @param {{store: Store, stops: StopControl, onSelect: (id: string) => void}} props */
 export function RobotList({ store, stops, onSelect }) {
   const robots = store.robotList();
+  const group = [...store.group].sort((a, b) => a.localeCompare(b, "en", { numeric: true }));
   return html`
-    <h2 class="panel-title">Robots <span class="count">${robots.length || ""}</span></h2>
+    <h2 class="panel-title">Robots <span class="count">${robots.length || ""}</span>
+      ${group.length > 0 && html`<${HoldButton} label=${`STOP ${group.join(", ")}`} name=${`Stop the group: ${group.join(", ")}`}
+        kind="stop" onFire=${() => group.forEach((id) => stops.stop(id))} />`}</h2>
     ${robots.length === 0 && html`<p class="hint">
       ${store.mission ? "No robot has been heard in this mission yet." : "No mission is open."}</p>`}
     <ul class=${`cards ${robots.length > ROOMY ? "compact" : ""}`}>
@@ -85,6 +88,11 @@ function RobotCard({ robot, store, stops, isCompact, onSelect }) {
         ${stop === "free"
           ? html`<${HoldButton} label="STOP" name=${`Stop ${id}`} kind="stop" onFire=${() => stops.stop(id)} />`
           : html`<div class=${`stop-state stop-${stop}`} role="status">${STOP_WORDS[stop]}</div>`}
+        <label class="in-group" title="Robots of the group are stopped together, at the top of this list">
+          <input type="checkbox" aria-label=${`${id} is in the group`} checked=${store.group.has(id)} onChange=${() => {
+            if (!store.group.delete(id)) store.group.add(id);
+            store.changed();
+          }}/>Group</label>
       </div>
       ${isSelected && html`<${RobotOrders} robot=${robot} store=${store} />`}
       ${robot.stopped && !store.past.board && html`

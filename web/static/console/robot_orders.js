@@ -42,7 +42,9 @@ async function told(store, robotId, what, answer) {
   try {
     await answer;
   } catch (error) {
-    store.notify(`${what} was not ordered for ${robotId}. ${/** @type {Error} */ (error).message}`);
+    const { status, message } = /** @type {import("./api.js").ApiError} */ (error);
+    // Without an answer nobody knows: the order may have come through, and is in the list then.
+    store.notify(`${what} ${status ? "was not" : "may not have been"} ordered for ${robotId}. ${message}`);
   }
   store.changed();
 }
@@ -83,7 +85,7 @@ export function pickPlace(store, place) {
 
 /** How much of what the team has explored is in this robot's own map, 0..1. @param {Robot} robot @param {Store} store */
 export function shareOf(robot, store) {
-  return store.exploredM2 > 0 ? Math.min(1, robot.explored_m2 / store.exploredM2) : 0;
+  return store.explored_m2 > 0 ? Math.min(1, robot.explored_m2 / store.explored_m2) : 0;
 }
 
 /** Whether the latest order keeps the robot from exploring. @param {Order | undefined} latest */

@@ -34,9 +34,15 @@ export function find(store, typed) {
 
 /** @extends {Component<{store: Store, onSelect: (found: Selected) => void}, {typed: string}>} */
 export class Search extends Component {
+  /** Empty the field, and give the keys back to the plan. */
+  leave() {
+    this.setState({ typed: "" });
+    document.getElementById("plan")?.focus();
+  }
+
   /** @param {Found} found */
   choose(found) {
-    this.setState({ typed: "" });
+    this.leave();
     this.props.onSelect({ kind: found.kind, id: found.id });
   }
 
@@ -45,7 +51,7 @@ export class Search extends Component {
     const root = /** @type {HTMLElement} */ (event.currentTarget);
     const stops = /** @type {HTMLElement[]} */ ([...root.querySelectorAll("input, button")]);
     const step = { ArrowDown: 1, ArrowUp: -1 }[event.key];
-    if (event.key === "Escape") this.setState({ typed: "" });
+    if (event.key === "Escape") this.leave();
     else if (step) stops[(stops.indexOf(/** @type {any} */ (document.activeElement)) + step + stops.length) % stops.length]?.focus();
     else return;
     event.preventDefault();

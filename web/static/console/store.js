@@ -58,6 +58,8 @@ export class Store {
     this.selected = null;
     /** @type {Map<number, {text: string, level: "warning" | "alarm"}>} */
     this.notices = new Map();
+    /** Robots that are stopped together. @type {Set<string>} */
+    this.group = new Set();
     /** The photo that is open. @type {string | null} */
     this.photo = null;
     /** What is being said of where the mission lies. @type {import("./georeference.js").Placing | null} */
@@ -66,7 +68,6 @@ export class Store {
     this.sectorPanel = null;
     /** Photos that are being sent. */
     this.uploads = 0;
-    this.exploredM2 = 0;
     /** What the next click on the plan is for: whom it is about, and what is done with the place. */
     /** @type {{id: string, kind: string, then: (place: {x_m: number, y_m: number}) => void} | null} */
     this.picking = null;
@@ -123,6 +124,8 @@ export class Store {
   get photos() { return this.board.photos; }
   get links() { return this.board.links; }
   get map() { return this.board.map; }
+  /** Free floor that the team has on its map, in square metres. */
+  get explored_m2() { return this.map?.explored_m2 ?? 0; }
 
   /** What the plan draws: the board, or the best map in its place. @returns {import("./best_map.js").Layers} */
   get shown() {

@@ -57,11 +57,11 @@ export class TagMemory extends Component {
   }
 }
 
-/** The window with north up, the tag in the middle. @param {{rows: string[]}} props */
+/** The window as it lies on the plan, the tag in the middle; its first row is farthest along x. @param {{rows: string[]}} props */
 function Window({ rows }) {
   const side = rows.length;
-  const cells = rows.flatMap((row, y) => [...row].flatMap((cell, x) =>
-    cell in CELL_COLORS ? [html`<rect x=${x} y=${y} width="1.02" height="1.02" style=${{ fill: CELL_COLORS[cell] }} />`] : []));
-  return html`<svg viewBox=${`0 0 ${side} ${side}`} role="img" aria-label="The ground round the tag, north up">
+  const cells = rows.flatMap((row, r) => [...row].flatMap((cell, c) =>
+    cell in CELL_COLORS ? [html`<rect x=${side - 1 - r} y=${c} width="1.02" height="1.02" style=${{ fill: CELL_COLORS[cell] }} />`] : []));
+  return html`<svg viewBox=${`0 0 ${side} ${side}`} role="img" aria-label="The ground round the tag, as it lies on the plan">
     ${cells}<circle cx=${side / 2} cy=${side / 2} r=${side / 40 + 0.25} class="here" stroke-width="0.2" /></svg>`;
 }

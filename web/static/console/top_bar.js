@@ -53,7 +53,7 @@ export function TopBar({ store, stops, onMission, onView }) {
       <${Figure} label="Robots live" value=${`${live} / ${robots.length}`} level=${live < robots.length ? "warn" : ""} />
       <${Figure} label="Victims" value=${open} level=${open ? "alarm" : ""} />
       ${alerts > 0 && html`<${Figure} label="Alerts" value=${alerts} level="alarm alerts" />`}
-      <${Figure} label="Explored" value=${`${Math.round(store.past.board?.map?.explored_m2 ?? store.exploredM2)} m²`} level="explored" />
+      <${Figure} label="Explored" value=${`${Math.round(store.explored_m2)} m²`} level="explored" />
       <${Figure} label="Tags" value=${store.tags.size} />
     </dl>
     <div class="views" role="group" aria-label="View">

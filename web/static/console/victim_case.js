@@ -9,7 +9,8 @@ import { say, standing } from "./victims.js";
 
 /** @import {Start, Victim} from "./types.js" */
 /** @import {Store} from "./store.js" */
-/** @typedef {{audit_id: number, unix_s: number, by: string, action: string, subject: string}} Entry */
+/** @typedef {{audit_id: number, unix_s: number, by: string, action: string, subject: string,
+ *   before: Record<string, any> | null, after: Record<string, any> | null}} Entry */
 
 /** Which question START asks next; null when the answers decide. @param {Start} start */
 export function nextQuestion(start) {
@@ -60,8 +61,10 @@ export function VictimCase({ victim, store }) {
     <div class="case-row">
       <button type="button" aria-pressed=${isPicking} onClick=${move}>Move…</button>
       ${victim.place_m && html`<button type="button" onClick=${() => say(store, victim, { place_m: null })}>Where measured</button>`}
-      ${others.length > 0 && html`<select aria-label=${`Victim ${victim.victim_id} is the same as`} value=""
-        onChange=${(/** @type {any} */ event) => say(store, victim, { merged_into: event.currentTarget.value })}>
+      ${others.length > 0 && html`<select aria-label=${`Victim ${victim.victim_id} is the same as`} value="" onChange=${(/** @type {any} */ event) => {
+        const other = store.victims.get(event.currentTarget.value);
+        if (other) say(store, other, { merged_into: victim.victim_id }); // the one that is open stays, with all that was said of it
+      }}>
         <option value="">Same as…</option>${others.map(({ victim_id }) => html`<option>${victim_id}</option>`)}</select>`}
     </div>
     ${isPicking && html`<p class="order-state" role="status">Click on the plan: that is where the victim is.</p>`}
@@ -70,6 +73,15 @@ export function VictimCase({ victim, store }) {
     <${History} victim=${victim} store=${store} /></fieldset>`;
 }
 
+/** What START was told, in words. @param {Start} start */
+const toldOf = ({ walks, breaths_per_min, breathes_after_airway, pulse, obeys }) => [
+  walks !== null && (walks ? "walks" : "cannot walk"),
+  breaths_per_min !== null && (breaths_per_min ? `breathes ${breaths_per_min} times a minute` : "does not breathe"),
+  breathes_after_airway !== null && `${breathes_after_airway ? "breathes" : "not even"} with the airway open`,
+  pulse !== null && (pulse ? "has a pulse" : "has no pulse"),
+  obeys !== null && `${obeys ? "follows" : "does not follow"} commands`,
+].filter(Boolean).join(", ");
+
 /** START, one question at a time. @param {{victim: Victim, store: Store}} props */
 function StartSteps({ victim, store }) {
   const { start } = victim;
@@ -77,7 +89,7 @@ function StartSteps({ victim, store }) {
   const isBegun = Object.values(start).some((answer) => answer !== null);
   const again = html`<button type="button" class="quiet" onClick=${() => say(store, victim, { start: NOTHING })}>Start over</button>`;
   if (question === null) {
-    return html`<div class="start"><b>START: <span class=${`triage triage-${victim.triage}`}>${victim.triage}</span></b>${again}</div>`;
+    return html`<div class="start"><b>START: <span class=${`triage triage-${victim.triage}`}>${victim.triage}</span></b>${again}<p>${toldOf(start)}</p></div>`;
   }
   const [words, answers] = QUESTIONS[question];
   return html`<fieldset class="start"><legend>START: ${words}</legend>
@@ -86,7 +98,19 @@ function StartSteps({ victim, store }) {
     ${question === "breaths_per_min" && html`<input type="number" min="1" max="120" inputmode="numeric" placeholder="a minute"
       aria-label="Breaths a minute" onChange=${(/** @type {any} */ event) => event.currentTarget.validity.valid
         && say(store, victim, { start: { ...start, breaths_per_min: Number(event.currentTarget.value) } })}/>`}
-    ${isBegun && again}</fieldset>`;
+    ${isBegun && html`${again}<p>${toldOf(start)}</p>`}</fieldset>`;
+}
+
+/** What was said, by the names of its fields. @type {Record<string, string>} */
+const FIELDS = { status: "status", start: "START", live: "live there", dead: "dead there", team: "team", note: "note",
+  place_m: "place", merged_into: "same as" };
+
+/** What an entry changed, in words. @param {Entry} entry */
+function changesOf({ before, after }) {
+  /** @param {any} value */
+  const words = (value) => (value === null || value === "" ? " taken off" : ` ${value}`);
+  return Object.keys(FIELDS).filter((key) => JSON.stringify(before?.[key]) !== JSON.stringify(after?.[key]))
+    .map((key) => FIELDS[key] + (["start", "place_m"].includes(key) ? "" : words(after?.[key]))).join(", ") || "the same again";
 }
 
 /** Who said what when; the latest can be taken back. */
@@ -95,8 +119,12 @@ class History extends Component {
   constructor(props) {
     super(props);
     this.props = props;
-    /** @type {{entries: Entry[], trouble: string, of: string}} */
-    this.state = { entries: [], trouble: "", of: "" };
+    /** @type {{entries: Entry[], trouble: string, of: string, isOpen: boolean}} */
+    this.state = { entries: [], trouble: "", of: "", isOpen: false };
+  }
+
+  componentDidUpdate() {
+    if (this.state.isOpen) this.load();
   }
 
   async load() {
@@ -120,17 +148,16 @@ class History extends Component {
     } catch (error) {
       store.notify(`Not taken back. ${/** @type {Error} */ (error).message}`);
     }
-    this.setState({ of: "" });
   }
 
   render() {
     const { entries, trouble } = this.state;
-    return html`<details class="history" onToggle=${(/** @type {any} */ event) => event.currentTarget.open && this.load()}>
+    return html`<details class="history" onToggle=${(/** @type {any} */ event) => this.setState({ isOpen: event.currentTarget.open })}>
       <summary>History</summary>
       ${trouble && html`<p>${trouble}</p>`}
       ${!trouble && entries.length === 0 && html`<p>Nobody has said anything about this victim yet.</p>`}
       <ol>${entries.map((/** @type {Entry} */ entry, /** @type {number} */ k) => html`<li key=${entry.audit_id}>
-        <time>${timeOfDay(entry.unix_s)}</time> ${entry.by} ${entry.action === "take_back" ? "took a change back" : "changed it"}
+        <time>${timeOfDay(entry.unix_s)}</time> ${entry.by} ${entry.action === "take_back" ? "took a change back" : "said"}: ${changesOf(entry)}
         ${k === 0 && entry.action === "judge_victim" && html` <button type="button" class="quiet"
           onClick=${() => this.takeBack(entry)}>Undo</button>`}</li>`)}</ol></details>`;
   }

@@ -1,10 +1,11 @@
 /** The responder's phone at a tag: where am I, who is near, the way there tag by tag. What else the page has comes once the answer stands. */
 
+import { opened } from "./pockets.js"; // first: reading what is kept takes its time, and what follows goes on meanwhile
 import { html, render } from "../console/vendor.js";
 import { Guide } from "./guide.js";
-import { openPockets } from "./pockets.js";
 import { changed, onChange, state } from "./state.js";
 import { language, say } from "./texts.js";
+import { toldOf } from "./told.js";
 import { answer, lead, target, touch } from "./touch.js";
 import { metres } from "./words.js";
 
@@ -77,12 +78,13 @@ async function theRest() {
 }
 
 document.documentElement.lang = language();
-await openPockets();
+const [tagId, mission] = here();
+const told = toldOf(tagId);
+if (!told) await opened;
 onChange(draw);
 place("page").textContent = "";
-const [tagId, mission] = here();
 if (!tagId) answer();
-touch(tagId, mission, true);
+touch(tagId, mission, true, told);
 addEventListener("popstate", () => touch(...here(), true));
 await painted();
 rest = await theRest();

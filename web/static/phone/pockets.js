@@ -15,10 +15,10 @@ const kept = new Map();
 let parsed = null;
 export const pockets = { isFull: false };
 
-/** Read what the phone has. A storage that cannot be read is an empty one. */
-export async function openPockets() {
-  for (const item of await all("pockets").catch(() => [])) kept.set(item.mission_id, item);
-}
+/** What the phone has, asked for before anything else. A storage that cannot be read is an empty one. */
+export const opened = all("pockets").catch(() => []).then((items) => {
+  for (const item of items) kept.set(item.mission_id, item);
+});
 
 /** Missions that may be meant, first the one that is most likely: running, then the latest. */
 export function missions() {
@@ -41,6 +41,7 @@ export const keptOf = (missionId) => kept.get(missionId) ?? null;
 
 /** Get the newest of a mission. @param {string} missionId @returns {Promise<"same" | "new" | "failed">} */
 export async function refresh(missionId) {
+  await opened;
   const known = kept.get(missionId);
   const headers = known ? { "If-None-Match": known.etag } : undefined;
   const response = await ask("GET", `${missionPath(missionId)}/pocket`, { headers });

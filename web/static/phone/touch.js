@@ -2,7 +2,7 @@
 
 import { begin } from "./between.js";
 import { add, onOutbox, waiting } from "./outbox.js";
-import { keptOf, missionOf, missions, open, refresh, refreshAll } from "./pockets.js";
+import { keptOf, missionOf, missions, open, opened, refresh, refreshAll } from "./pockets.js";
 import { reach, read, remember } from "./reach.js";
 import { Roads } from "./roads.js";
 import { changed, missionId, state } from "./state.js";
@@ -48,8 +48,9 @@ export function lead(to) {
  * @param {string} tagId
  * @param {string | null} [mission] the one it is of, where the link says so
  * @param {boolean} [isBack] the page's own history led here
+ * @param {import("./told.js").Told | null} [told] what the server has said of it already
  */
-export async function touch(tagId, mission = null, isBack = false) {
+export async function touch(tagId, mission = null, isBack = false, told = null) {
   const known = remembered(LAST);
   const before = known && known.tag !== tagId ? known.tag : known?.before ?? "";
   const address = tagId ? `/t/${encodeURIComponent(tagId)}${mission ? `?mission=${encodeURIComponent(mission)}` : ""}` : "/phone";
@@ -59,6 +60,7 @@ export async function touch(tagId, mission = null, isBack = false) {
   if (!tagId) return changed();
   remember(LAST, { tag: tagId, before });
   answer();
+  if (!state.where && told) Object.assign(state, { where: told.where, as_of_s: told.as_of_s });
   begin();
   changed();
   if (!state.where) await askServer();
@@ -116,10 +118,7 @@ async function askServer() {
   if (found && found.tag_id === state.tagId) {
     changed({ where: found, as_of_s: null });
     await refresh(found.mission_id);
-    answer();
-    begin();
-    changed();
-    return;
+    return answerAnew();
   }
   const key = reach.isLoggedOut ? "log_in_to_see" : reach.inReach ? "tag_unknown" : missions().length ? "tag_unknown_here" : "nothing_here";
   changed({ trouble: say(key, { tag: state.tagId }) });
@@ -129,9 +128,18 @@ async function askServer() {
 async function renew() {
   const mission = state.where?.mission_id;
   if (!mission) return;
+  await opened;
+  if (!state.roads) answerAnew(); // all that was there is what the server had said
   const found = await refresh(mission);
   if (found !== "failed") state.as_of_s = keptOf(mission)?.as_of_s ?? state.as_of_s;
-  if (found === "new") answer();
+  if (found === "new") state.roads ? answer() : answerAnew();
+  changed();
+}
+
+/** Answer where the mission was not on the phone before: steps count from this tag on. */
+function answerAnew() {
+  answer();
+  begin();
   changed();
 }
 

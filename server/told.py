@@ -1,0 +1,35 @@
+"""What is written into the phone's page at a tag, so that its answer needs no second request."""
+
+from __future__ import annotations
+
+import time
+from typing import Any, get_args
+
+from fastapi import Request
+
+from robots.routes.texts import Language
+from server.api.common import Needs, access_of, all_missions
+from server.api.routes import where_of
+from server.errors import ApiError
+
+
+def told_at(request: Request, tag_id: str) -> dict[str, Any] | None:
+    """Return what GET /api/v1/where/{tag_id} says to whoever asks for the page, None where it refuses."""
+    language = _spoken(request.headers.get("accept-language", ""))
+    mission = request.query_params.get("mission")
+    try:
+        by = Needs("viewer")(request, access_of(request).actor_of(request))
+        found = where_of(all_missions(request), by, tag_id, mission, language)
+    except ApiError:
+        return None
+    return {"language": language, "as_of_s": time.time(), "where": found.model_dump(mode="json")}
+
+
+def _spoken(accepted: str) -> Language:
+    """Return the first language of a browser's list that there are words in."""
+    known: tuple[Language, ...] = get_args(Language)
+    for name in accepted.lower().split(","):
+        for language in known:
+            if name.strip().startswith(language):
+                return language
+    return "en"
