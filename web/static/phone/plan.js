@@ -104,21 +104,31 @@ function line(context, points, at, color, width) {
 function drawPoints(context, pocket, at, scale) {
   context.font = `${Math.max(12, 0.9 * scale)}px system-ui, sans-serif`;
   context.textBaseline = "middle";
-  for (const { tag_id, x_m, y_m } of pocket.tags) point(context, at(x_m, y_m), tag_id, "#ffc857", scale);
+  /** @type {Box[]} */
+  const names = [];
   for (const { victim_id, x_m, y_m, status } of pocket.victims) {
-    if (status !== "dismissed") point(context, at(x_m, y_m), victim_id, "#ff5a5f", scale);
+    if (status !== "dismissed") point(context, at(x_m, y_m), victim_id, "#ff5a5f", scale, names);
   }
   for (const { kind, text, x_m, y_m } of pocket.notes) {
-    if (x_m !== null && y_m !== null && kind === "hazard") point(context, at(x_m, y_m), `! ${text.slice(0, 20)}`, "#ffbe4d", scale);
+    if (x_m !== null && y_m !== null && kind === "hazard") point(context, at(x_m, y_m), `! ${text.slice(0, 20)}`, "#ffbe4d", scale, names);
   }
+  const tags = [...pocket.tags].sort((a, b) => Number(b.tag_id === state.tagId) - Number(a.tag_id === state.tagId));
+  for (const { tag_id, x_m, y_m } of tags) point(context, at(x_m, y_m), tag_id, "#ffc857", scale, names);
 }
 
-/** @param {CanvasRenderingContext2D} context @param {readonly [number, number]} place @param {string} name @param {string} color @param {number} scale */
-function point(context, [x, y], name, color, scale) {
+/** Left, top, right, bottom. @typedef {[number, number, number, number]} Box */
+
+/** A point, with its name unless that would cover another. @param {CanvasRenderingContext2D} context @param {readonly [number, number]} place
+ *  @param {string} name @param {string} color @param {number} scale @param {Box[]} names those that stand */
+function point(context, [x, y], name, color, scale, names) {
   context.beginPath();
   context.arc(x, y, 0.25 * scale, 0, 2 * Math.PI);
   context.fillStyle = color;
   context.fill();
+  const [left, half] = [x + 0.4 * scale, 0.45 * scale];
+  const right = left + context.measureText(name).width;
+  if (names.some((other) => left < other[2] && right > other[0] && y - half < other[3] && y + half > other[1])) return;
+  names.push([left, y - half, right, y + half]);
   context.lineWidth = 0.2 * scale;
   context.strokeStyle = "#0a0e14";
   context.strokeText(name, x + 0.4 * scale, y);
