@@ -17,8 +17,10 @@ export function wishOf({ selected, sectorPanel, follows, centred }) {
 /** @param {Store} store @param {{kind: any, id: string}} clicked */
 export function takeClick(store, { kind, id }) {
   if (kind === "photo") openPhoto(store, id);
-  else if (kind === "sector") openSector(store, id);
-  else store.select({ kind, id });
+  else if (kind === "sector") {
+    store.selected = null; // else that stays marked, with its card over the sector's
+    openSector(store, id);
+  } else store.select({ kind, id });
 }
 
 /** @param {string} path under /api/v1 */
