@@ -78,6 +78,9 @@ def test_a_mission_is_placed_and_every_point_then_has_a_grid_reference(page: Pag
         panel.get_by_role("button", name="By origin and heading").click()
         panel.get_by_label("Origin").fill("48.137154, 11.576124")
         panel.get_by_label("Compass bearing").fill("0")
+        expect(panel.get_by_role("button", name="Keep")).to_be_enabled(
+            timeout=SOON_MS
+        )  # it is drawn a frame later
         panel.get_by_label("Compass bearing").press("Tab")
         panel.get_by_role("button", name="Keep").press("Enter")
         expect(panel).to_have_count(0, timeout=SOON_MS)
