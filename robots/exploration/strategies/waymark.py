@@ -22,9 +22,8 @@ from robots.se2 import Array
 _DETOUR = 1.5  # what a metre through claimed ground costs: nothing is known of its walls
 _FARTHEST_M = 15.0  # beyond claimed ground: farther counts alike
 _JUST_DRIVEN = 16  # points of the robot's own trail, 4 m, that say nothing yet
-_ALONG_M = (
-    4.0  # a tag read under its feet knows of the ground ahead what its writer did: so much to follow it
-)
+# a tag read under its feet knows of the ground ahead what its writer did: so much it costs to follow
+_ALONG_M = 4.0
 _TAKEN_M, _TAKEN_WITHIN_M = 6.0, 4.0  # what it costs to go where others went, and how near that is
 
 
