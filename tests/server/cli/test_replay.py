@@ -123,6 +123,17 @@ def test_later_robots_read_what_earlier_ones_left_in_the_tags(team, capsys):
     assert errors["tags"]["r4"] < 0.1
 
 
+def test_by_range_alone_too_a_team_ends_with_its_joint_solution(team, capsys):
+    arguments = ["replay", "mrclam", str(team), "--range-only", "--json"]
+    errors = []
+    for more in ([], ["--robots", "r1"]):
+        assert run([*arguments, *more]) == 0
+        errors.append(json.loads(capsys.readouterr().out))
+    together, alone = errors
+    assert together["ate_online_m"]["r1"] == alone["ate_online_m"]["r1"]
+    assert together["ate_m"]["r1"] != alone["ate_m"]["r1"]
+
+
 def test_robots_go_through_a_recording_in_the_order_asked_for(team, tmp_path, capsys):
     arguments = ["replay", "mrclam", str(team), "--order", "r4,r1", "--out", str(tmp_path), "--json"]
     assert run(arguments) == 0
