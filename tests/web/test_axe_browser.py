@@ -88,7 +88,8 @@ def test_every_page_and_state_has_no_violation(link: str, page: Page, robot_log:
     audit.look("people")
     empty = 'id="told"></script>'
     assert empty not in page.request.get(f"{home}/t/{seen['tag']}").text()
-    stranger = page.context.browser.new_context()  # type: ignore[union-attr]
+    assert page.context.browser is not None
+    stranger = page.context.browser.new_context()
     assert empty in stranger.request.get(f"{home}/t/{seen['tag']}").text()  # who may not ask is told nothing
     stranger.close()
     page.goto(f"{home}/t/{seen['tag']}")

@@ -166,7 +166,7 @@ def test_a_click_reaches_the_page_of_that_view_alone(house: House) -> None:
                 )
                 await socket.send(click(*FROM_ABOVE, screen_pos=[]))
                 await socket.send(click((float("nan"), 0.0, 1.0), (0.0, 0.0, -1.0)))
-                await socket.send(click(("6", "0.5", "20"), (0.0, 0.0, -1.0)))  # type: ignore[arg-type]
+                await socket.send(click(*FROM_ABOVE, ray_origin=["6", "0.5", "20"]))
                 await socket.send(click(*FROM_ABOVE, event_type="rect-select"))
                 await socket.send(click((40.0, 40.0, 20.0), (0.0, 0.0, -1.0)))  # nothing is there
                 await socket.send(click(*FROM_ABOVE))
