@@ -15,11 +15,12 @@ import httpx
 import pytest
 import uvicorn
 from fastapi import FastAPI
-from playwright.sync_api import Browser, sync_playwright
+from playwright.sync_api import Browser, BrowserContext, Page, sync_playwright
 
 from robots.sim.wire import observation_to_wire
 from server.app import create_app
 from server.settings import Settings
+from tests.web.field import Field, drive
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 FLAGS = [
@@ -116,3 +117,25 @@ def drill(tmp_path_factory: pytest.TempPathFactory, robot_log: Any) -> Iterator[
             time.sleep(0.1)
     yield {"app": app, "host": host, "tags": [tag["tag_id"] for tag in tags]}
     serve.close()
+
+
+@pytest.fixture(scope="module")
+def field(tmp_path_factory: pytest.TempPathFactory, robot_log: Any) -> Iterator[Field]:
+    """The mission that phones walk through."""
+    serve = Serve()
+    settings = Settings(data_dir=tmp_path_factory.mktemp("field"), login="off", reply_s=60.0)
+    yield drive(serve(create_app(settings)), robot_log)
+    serve.close()
+
+
+@pytest.fixture
+def context(browser: Browser) -> Iterator[BrowserContext]:
+    """A phone."""
+    context = browser.new_context(viewport={"width": 390, "height": 844}, has_touch=True, locale="en-GB")
+    yield context
+    context.close()
+
+
+@pytest.fixture
+def page(context: BrowserContext) -> Page:
+    return context.new_page()

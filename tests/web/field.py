@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import httpx
+from playwright.sync_api import Page
 
 from robots.sim.wire import observation_to_wire
 
@@ -50,3 +51,11 @@ def drive(host: str, log: Any, **headers: str) -> Field:
                 return Field(host, links, victims[0]["victim_id"])
             assert time.monotonic() < deadline, (victims, links)
             time.sleep(0.1)
+
+
+def keep(page: Page) -> None:
+    """Wait until the page and a mission are on the phone."""
+    page.evaluate("() => navigator.serviceWorker.ready")
+    page.wait_for_function("async () => (await caches.keys()).length === 2")
+    kept = "import('/static/phone/kept.js').then(({ all }) => all('pockets')).then((all) => all.length > 0)"
+    page.wait_for_function(f"() => {kept}")
