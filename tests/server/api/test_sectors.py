@@ -54,12 +54,14 @@ def test_the_story_of_a_sector(make_control, tmp_path, drive):
     ] == "Sector B2 is searched (r1, AUS01), says operator."
 
 
-def test_the_story_of_a_worksite(line):
+def test_the_story_of_a_worksite(control):
+    line = control.open("worksite")
     at = f"/sectors/{uuid4()}"
     sector = {"name": "B2", "area_m": SQUARE}
     site = {"worksite_id": "B-3", "hazards": "gas", "triage": "C", "is_complete": False, "visits": []}
     went = {
-        "team": "AUS01", "level": 3, "entered_unix_s": 1e9, "left_unix_s": None, "is_finished": False, "parts": "",
+        "team": "AUS01", "level": 3, "entered_unix_s": 1e9, "left_unix_s": None, "is_finished": False,
+        "parts": "",
     }  # fmt: skip
     assert line.call("PUT", at, {**sector, "worksite": site}).json()["worksite"] == site
     inside = {**site, "visits": [went]}

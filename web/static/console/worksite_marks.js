@@ -57,7 +57,7 @@ function lineOf({ team, level, left_unix_s }, isNew) {
 }
 
 /** @param {Worksite} worksite */
-export function worksiteWords({ worksite_id, triage, is_complete }) {
+function worksiteWords({ worksite_id, triage, is_complete }) {
   return [`Worksite ${worksite_id}`, ...(triage ? [`${triage}: ${TRIAGE[triage]}`] : []),
     is_complete ? "no more work needed" : "not complete"].join(", ");
 }
