@@ -100,7 +100,7 @@ def _look(
     free: Mask, x: float, y: float, heading: float, left: float, low: float, cell: float, reach: float,
     row: int, column: int, half: int,
 ) -> Cells:  # fmt: skip
-    """Return the free cells in sight, 1, and ahead, 3, of a square about the place; rays half a cell apart."""
+    """Return a square about the place: free cells in sight 1, ahead 3. Rays end half a cell apart."""
     rows, columns = free.shape
     view = np.zeros((2 * half + 1, 2 * half + 1), np.uint8)
     rays = ceil(2.0 * pi * reach / (0.5 * cell))

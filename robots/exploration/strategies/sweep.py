@@ -1,8 +1,9 @@
 """Making ground safe where the laser sees much farther than ground is safe (the grids of Amigoni 2013).
 
 A goal is worth the ground that driving there would make safe: free or unknown, not safe yet, within the small
-range in sight of the way. By the marginal value theorem (Charnov 1976) a square metre is worth the way that
-one takes on the whole; so long lanes through new ground are worth more than places at the rim of the old.
+range in sight of the way, and not of anybody else's. By the marginal value theorem (Charnov 1976) a square
+metre is worth the way that one takes on the whole; so long lanes through new ground are worth more than
+places at the rim of the old.
 """
 
 from __future__ import annotations
@@ -42,7 +43,8 @@ class Sweep:
         grid, costs = view.grid, view.costs
         if grid is None or costs is None:
             return view.frontiers
-        trails = np.concatenate([view.trail, view.mates_trail])
+        # what others make safe on their way is as good as done
+        trails = np.concatenate([view.trail[:, :3], view.mates_trail[:, :3], view.mates_ways])
         safe = three_grids(grid, trails, view.settings.safe.safe_m, self._sight).safe
         self._kinds = kinds_of(grid, safe)
         self._origin, self._cell_m = grid.origin, grid.cell_m * _factor(grid)
@@ -57,7 +59,7 @@ class Sweep:
         return tuple(sorted([*view.frontiers, *places], key=lambda place: (place.cost_m, place.goal)))
 
     def areas(self, view: ExplorationView, goals_m: Array) -> Array:
-        """Return the ground that driving to each goal, (n, 2), would make safe, (n,) in m2, straight there."""
+        """Return the ground, (n,) in m2, that driving straight to goals, (n, 2), would make safe."""
         seen = _areas(
             self._kinds, self._origin, self._cell_m, view.pose.x, view.pose.y, goals_m,
             view.settings.safe.safe_m, _LOOK_EVERY_M,

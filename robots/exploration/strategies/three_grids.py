@@ -7,6 +7,7 @@ in sight of a place where a robot was; cleared the part of that which a camera l
 from __future__ import annotations
 
 from dataclasses import dataclass
+
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
