@@ -21,6 +21,7 @@ from robots.estimation.scans.points import scan_points
 from robots.estimation.tag_filter import RangeSighting
 from robots.estimation.tag_graph.graph import TagGraph, graph_problem
 from robots.estimation.tag_graph.smoothing import smooth_radio
+from robots.exploration.strategies.sight import Sight
 from robots.exploration.strategies.three_grids import find_candidates, three_grids
 from robots.exploration.team.team_ground import TeamGround, tiles_of
 from robots.exploration.team.team_message import Patch, Tile
@@ -88,7 +89,9 @@ def _warm_up_strategies() -> None:
     cells = np.full((60, 60), FREE, np.uint8)
     cells[0] = UNKNOWN
     grid = PlanGrid(cells, np.full((60, 60), 5, np.uint8), (0.0, 0.0), 0.1)
-    find_candidates(grid, travel_costs(grid, 5, 5), three_grids(grid, np.array([[0.5, 0.5, 0.0, 0.0]]), 3.0))
+    trail, sight = np.array([[0.5, 0.5, 0.0, 0.0]]), Sight()
+    for _ in range(2):  # the second time looks for what changed
+        find_candidates(grid, travel_costs(grid, 5, 5), three_grids(grid, trail, 3.0, sight))
     claims = Claims()
     claims.hear("warm", TagMemory(np.full((3, 3), CLOSED, np.uint8)))
     survey = claims.survey(grid, {"warm": (3.0, 0.0)}.get)

@@ -52,7 +52,8 @@ class Waymark:
     def reason(self, view: ExplorationView, index: int) -> str:
         """Return how much is to be seen, or why it goes where others were."""
         if view.settings.safe.sweep:
-            return f"make about {self._sweep.areas(view)[index]:.0f} m² of ground safe on the way"
+            area_m2 = self._sweep.areas(view, goals_of(view)[index : index + 1])[0]
+            return f"make about {area_m2:.0f} m² of ground safe on the way"
         if isinstance(view.frontiers[index], FarFrontier):
             return "ground that was left open, along tags"
         untold, claimed = view.survey.shares(goals_of(view)[index : index + 1], SEEN_M)
