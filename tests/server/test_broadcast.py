@@ -1,4 +1,4 @@
-"""What all who watch a mission are told: one text for those who keep up, the latest alone for those who do not."""
+"""What all who watch a mission are told: one text for those who keep up, the latest alone for others."""
 
 import asyncio
 import json
@@ -33,7 +33,8 @@ def test_one_that_is_slow_gets_the_latest_values_in_one_text_and_holds_nobody_up
                 seen.append(json.loads(await quick.next_text()))
             late = json.loads(await slow.next_text())
         assert [message["set"]["robot/r1"]["x_m"] for message in seen] == [0, 1, 2, 3]
-        assert late["set"]["robot/r1"] == {"x_m": 3} and len(late["set"]) == 5
+        assert late["set"]["robot/r1"] == {"x_m": 3}
+        assert len(late["set"]) == 5
         assert late["delete"] == ["tag/A"]
 
     asyncio.run(play())
