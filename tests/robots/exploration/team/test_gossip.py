@@ -162,7 +162,7 @@ def test_own_eyes_overrule_and_the_rest_is_as_the_more_have_seen_it():
 
 
 def test_a_wall_that_others_saw_stays_one_where_own_eyes_see_the_ground_beside_it():
-    """Half of a cell of the plan is seen from the side: the wall in its other half is no edge of the unknown."""
+    """Half of a cell of the plan is seen from the side: the wall in its other half is no edge."""
     ground, mapping = TeamGround(), MappingConfig()
     ground.take(Patch("a", 0, 1, (Tile(0, 0, 1, ALL_OCCUPIED),)))
     own = np.zeros((40, 40))
