@@ -34,7 +34,7 @@ def ground(value=-20):
 def team_of(listener, now_s):
     frontier = Frontier((0, 0), (1.0, 1.0), 1.0, 1.0)
     survey = Survey(np.ones((4, 4)), np.zeros((4, 4), np.uint8), (0.0, 0.0))
-    return listener.team(ExplorationView(Pose2(), (frontier,), survey, now_s=now_s), Nearest(), None)
+    return listener.team(ExplorationView(Pose2(), (frontier,), lambda: survey, now_s=now_s), Nearest(), None)
 
 
 def test_others_are_where_they_say_in_this_robots_own_map():
@@ -45,6 +45,18 @@ def test_others_are_where_they_say_in_this_robots_own_map():
     assert team.ids == ("r1", "r2")
     assert team.goals_m[1] == pytest.approx((-3.0, -1.0))
     assert team.straight(1)[0] == pytest.approx(np.hypot(1.0 + 5.0, 1.0 + 2.0))
+
+
+def test_the_ways_of_others_lead_straight_to_their_goals_until_they_are_heard_no_more():
+    here, there = robot("r1", 10.0, 5.0, 0.3), robot("r2", 4.0, 1.0, 2.0)
+    assert here.mates_ways(0.0).shape == (0, 3)
+    said = there.say(0.0, Pose2(1.0, 2.0, 0.5), (1.0, 7.5), ground(), 4.0)
+    here.hear(0.2, True, (said,))
+    ways = here.mates_ways(0.2)
+    assert ways[[0, -1], :2] == pytest.approx(np.array([(-5.0, -2.0), (-5.0, 3.5)]), abs=0.01)
+    assert np.diff(ways[:, 1]).max() <= 1.0
+    assert ways[:, 2] == pytest.approx(np.pi / 2)
+    assert here.mates_ways(0.2 + MATE_FOR_S + 1.0).shape == (0, 3)
 
 
 def test_without_a_compass_the_map_lies_as_the_robot_stood():
@@ -73,7 +85,7 @@ def test_it_says_why_it_leaves_the_nearest_edge_to_another():
     goals = Goals(told, here)
     near, far = Frontier((0, 0), (2.0, 0.0), 1.0, 2.0), Frontier((0, 0), (0.0, 9.0), 1.0, 9.0)
     survey = Survey(np.ones((4, 4)), np.zeros((4, 4), np.uint8), (0.0, 0.0))
-    view = ExplorationView(Pose2(), (near, far), survey)
+    view = ExplorationView(Pose2(), (near, far), lambda: survey)
     assert goals.choose(view).why == "the nearest edge of the unknown, 1.0 m wide"
     other = robot("r2", 1.0, 0.0, 0.0).say(0.0, Pose2(), (1.0, 0.0), ground(), 4.0)
     here.hear(0.0, True, (other,))
