@@ -23,11 +23,15 @@ export function tagOfLink(text) {
   }
 }
 
-/** Go to the tag of a link. A link of another server is asked about: its tag may be a namesake. @param {string} text */
-export async function followLink(text) {
+/**
+ * Go to the tag of a link. A link of another server is asked about: its tag may be a namesake.
+ * @param {string} text
+ * @param {number | null} [read_s] when the phone read it off the tag, by its clock
+ */
+export async function followLink(text, read_s = null) {
   const link = tagOfLink(text);
   if (link === null) return false;
-  if (link.host === location.host) await touch(link.tagId);
+  if (link.host === location.host) await touch(link.tagId, null, false, null, read_s);
   else ask({ foreign: link });
   return true;
 }
@@ -53,5 +57,5 @@ export async function goToTyped(typed) {
 export async function goToScanned(text) {
   if (takeCode(text)) return; // reports of another phone, of which there is more to come
   state.scanning = false;
-  if (!(await followLink(text))) ask({ trouble: say("not_a_tag", { text: text.slice(0, 60) }) });
+  if (!(await followLink(text, Date.now() / 1000))) ask({ trouble: say("not_a_tag", { text: text.slice(0, 60) }) });
 }

@@ -63,8 +63,10 @@ export async function add(kind, missionId, body) {
   /** @type {Report} */
   const report = { id: newId(), n, mission_id: missionId, kind, body, made_by: reach.me?.name ?? "", phone_unix_s: Date.now() / 1000,
     offset_s: reach.offset_s, tries: 0, due_ms: 0, refused: "", is_kept: true };
-  if (kind === "at") { // only the last place counts
-    for (const old of reports.values()) if (old.kind === "at" && old.mission_id === missionId && old.made_by === report.made_by) await forget(old.id);
+  if (kind === "at") { // only the last place counts, and what cannot be
+    for (const old of reports.values()) {
+      if (old.kind === "at" && !old.body.from_tag && old.mission_id === missionId && old.made_by === report.made_by) await forget(old.id);
+    }
   }
   reports.set(report.id, report);
   await keep(report);

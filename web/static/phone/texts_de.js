@@ -53,6 +53,7 @@ export const DE = {
   victims_near: { one: "{count} Opfer innerhalb von {far}.", other: "{count} Opfer innerhalb von {far}." },
   nearest_victim: "Das nächste Opfer ist {far} entfernt.",
   no_victim: "Es ist kein Opfer bekannt.",
+  too_far: "Dieses Telefon las vor {after} s Marke {before}, und die ist laut Plan {far} entfernt. So schnell ist niemand: Marke {tag} gibt es zweimal, oder eine der beiden wurde versetzt. Verlassen Sie sich nicht auf diesen Ort, lesen Sie eine andere Marke. Der Einsatzleiter erfährt es.",
   place_unsure: "Ihr Ort ist nur auf {far} genau bekannt.",
   lead_me_to: "Führe mich zu",
   victim: "Opfer {victim}",

@@ -52,6 +52,7 @@ export const EN = {
   victims_near: { one: "{count} victim within {far}.", other: "{count} victims within {far}." },
   nearest_victim: "The nearest victim is {far} away.",
   no_victim: "No victim is known.",
+  too_far: "This phone read tag {before} {after} s ago, and on the map that is {far} away. Nobody is that fast: there are two tags {tag}, or one of the two was moved. Do not go by this place, touch another tag. The commander is told.",
   place_unsure: "Its place is known to {far} only.",
   lead_me_to: "Lead me to",
   victim: "Victim {victim}",
