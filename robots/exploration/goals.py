@@ -155,7 +155,8 @@ class Goals:
         kept = self._kept(view)
         if kept is not None:
             return kept
-        view = self._with_candidates(replace(view, mates_trail=self._communication.mates_trail()))
+        trail, ways = self._communication.mates_trail(), self._communication.mates_ways(view.now_s)
+        view = self._with_candidates(replace(view, mates_trail=trail, mates_ways=ways))
         self.view = view if isinstance(self.strategy, AnswersTags) else None
         if not view.frontiers:
             return None

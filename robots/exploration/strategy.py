@@ -24,10 +24,11 @@ class ExplorationView:
     The robot's pose, its reachable frontiers, nearest first, and what is unknown, to it and to those whose
     word it has read in tags. ``grid`` and ``costs`` int32 (h, w): the plan grid, and what driving to each of
     its cells costs in fifths of a cell (UNREACHED where it cannot). ``trail`` (k, 4): x, y, heading, stamp of
-    where it was, oldest first, ``mates_trail`` (m, 4) of where others
-    were that were heard; ``path_m`` (n, 2): the rest of its way to its last goal; ``tags``: all that it
-    read, from up to ``tag_reach_m`` off, ``base_m`` where reports go; ``battery`` 1 full, 0 empty;
-    ``ways_m`` (f,): what it costs to get to the frontiers, where that is not what they say themselves.
+    where it was, oldest first, ``mates_trail`` (m, 4) of where others were that were heard, ``mates_ways``
+    (l, 3) of places on their straight ways to their goals; ``path_m`` (n, 2): the rest of its way to its last
+    goal; ``tags``: all that it read, from up to ``tag_reach_m`` off, ``base_m`` where reports go; ``battery``
+    1 full, 0 empty; ``ways_m`` (f,): what it costs to get to the frontiers, where that is not what they say
+    themselves.
     """
 
     pose: Pose2
@@ -41,6 +42,7 @@ class ExplorationView:
     tags: tuple[KnownTag, ...] = ()
     tag_reach_m: float = 0.0
     mates_trail: Array = field(default_factory=lambda: np.zeros((0, 4)))
+    mates_ways: Array = field(default_factory=lambda: np.zeros((0, 3)))
     base_m: tuple[float, float] = (0.0, 0.0)
     battery: float = 1.0
     settings: PlanningConfig = field(default_factory=PlanningConfig)

@@ -17,6 +17,7 @@ class Trail:
 
     def __init__(self) -> None:
         self._points: list[tuple[float, float, float, float]] = []
+        self._array: Array = np.zeros((0, 4))
 
     def note(self, now_s: float, pose: Pose2) -> None:
         """Note where it is."""
@@ -27,7 +28,9 @@ class Trail:
     @property
     def points(self) -> Array:
         """All of it, (k, 4): x, y, heading and stamp, oldest first."""
-        return np.array(self._points).reshape(-1, 4)
+        if len(self._array) < len(self._points):
+            self._array = np.array(self._points)
+        return self._array
 
 
 def rest_of(path_m: Array, pose: Pose2) -> Array:

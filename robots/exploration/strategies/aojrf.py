@@ -12,6 +12,7 @@ from math import exp, hypot
 import numpy as np
 
 from robots.exploration.frontiers import Frontier
+from robots.exploration.strategies.sight import Sight
 from robots.exploration.strategies.three_grids import Candidate, find_candidates, three_grids
 from robots.exploration.strategy import ExplorationView, ways_of
 from robots.se2 import Array
@@ -25,9 +26,12 @@ class Aojrf:
 
     keeps_goals = True  # "go to their destination locations and start again"
 
+    def __init__(self) -> None:
+        self._sight = Sight()
+
     def candidates(self, view: ExplorationView) -> tuple[Frontier, ...]:
         """Return the middles of the free ground beyond each boundary of the safe."""
-        return safe_candidates(view)
+        return safe_candidates(view, self._sight)
 
     def worths(self, view: ExplorationView) -> Array:
         """Return u(p, r) of eq. (1), in square metres."""
@@ -41,12 +45,12 @@ class Aojrf:
         return beyond(view, index)
 
 
-def safe_candidates(view: ExplorationView) -> tuple[Frontier, ...]:
-    """Return the candidate locations of Amigoni 2013 section 3.1."""
+def safe_candidates(view: ExplorationView, sight: Sight) -> tuple[Frontier, ...]:
+    """Return the candidate locations of Amigoni 2013 section 3.1; ``sight`` is the robot's, kept up."""
     if view.grid is None or view.costs is None:
         return ()
     trails = np.concatenate([view.trail, view.mates_trail])
-    grids = three_grids(view.grid, trails, view.settings.safe.safe_m)
+    grids = three_grids(view.grid, trails, view.settings.safe.safe_m, sight)
     return find_candidates(view.grid, view.costs, grids)
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from robots.exploration.frontiers import Frontier
 from robots.exploration.strategies.aojrf import areas_of, beyond, chances_of, safe_candidates
 from robots.exploration.strategies.choquet import Capacity
+from robots.exploration.strategies.sight import Sight
 from robots.exploration.strategy import ExplorationView, ways_of
 from robots.se2 import Array
 
@@ -26,9 +27,12 @@ class Mcdm:
 
     keeps_goals = True  # "go to their destination locations and start again"
 
+    def __init__(self) -> None:
+        self._sight = Sight()
+
     def candidates(self, view: ExplorationView) -> tuple[Frontier, ...]:
         """Return the middles of the free ground beyond each boundary of the safe."""
-        return safe_candidates(view)
+        return safe_candidates(view, self._sight)
 
     def worths(self, view: ExplorationView) -> Array:
         """Return u(p, r) of eq. (2), between 0 and 1."""

@@ -1,8 +1,9 @@
 """Making ground safe where the laser sees much farther than ground is safe (the grids of Amigoni 2013).
 
 A goal is worth the ground that driving there would make safe: free or unknown, not safe yet, within the small
-range in sight of the way. By the marginal value theorem (Charnov 1976) a square metre is worth the way that
-one takes on the whole; so long lanes through new ground are worth more than places at the rim of the old.
+range in sight of the way, and not of anybody else's. By the marginal value theorem (Charnov 1976) a square
+metre is worth the way that one takes on the whole; so long lanes through new ground are worth more than
+places at the rim of the old.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from robots.exploration.frontiers import Frontier
+from robots.exploration.strategies.sight import Sight
 from robots.exploration.strategies.three_grids import three_grids
 from robots.exploration.strategy import ExplorationView, goals_of, ways_of
 from robots.planning.plan_grid import OCCUPIED, PlanGrid
@@ -32,6 +34,7 @@ class Sweep:
     """Candidates and worths of ground to be made safe; knows the grids of the last candidates."""
 
     def __init__(self) -> None:
+        self._sight = Sight()
         self._kinds: Kinds = np.zeros((0, 0), np.uint8)
         self._origin, self._cell_m = (0.0, 0.0), _CELL_M
 
@@ -40,9 +43,9 @@ class Sweep:
         grid, costs = view.grid, view.costs
         if grid is None or costs is None:
             return view.frontiers
-        safe = three_grids(
-            grid, np.concatenate([view.trail, view.mates_trail]), view.settings.safe.safe_m
-        ).safe
+        # what others make safe on their way is as good as done
+        trails = np.concatenate([view.trail[:, :3], view.mates_trail[:, :3], view.mates_ways])
+        safe = three_grids(grid, trails, view.settings.safe.safe_m, self._sight).safe
         self._kinds = kinds_of(grid, safe)
         self._origin, self._cell_m = grid.origin, grid.cell_m * _factor(grid)
         stride = max(1, round(_LATTICE_M / grid.cell_m))
@@ -55,10 +58,10 @@ class Sweep:
         ]
         return tuple(sorted([*view.frontiers, *places], key=lambda place: (place.cost_m, place.goal)))
 
-    def areas(self, view: ExplorationView) -> Array:
-        """Return the ground that driving to each goal would make safe, (n,) in m2, as if straight there."""
+    def areas(self, view: ExplorationView, goals_m: Array) -> Array:
+        """Return the ground, (n,) in m2, that driving straight to goals, (n, 2), would make safe."""
         seen = _areas(
-            self._kinds, self._origin, self._cell_m, view.pose.x, view.pose.y, goals_of(view),
+            self._kinds, self._origin, self._cell_m, view.pose.x, view.pose.y, goals_m,
             view.settings.safe.safe_m, _LOOK_EVERY_M,
         )  # fmt: skip
         areas: Array = seen * self._cell_m**2
@@ -66,7 +69,7 @@ class Sweep:
 
     def worths(self, view: ExplorationView) -> Array:
         """Return what the goals are worth, (n,) in metres of way."""
-        worths: Array = _WORTH_M * self.areas(view) - ways_of(view)
+        worths: Array = _WORTH_M * self.areas(view, goals_of(view)) - ways_of(view)
         return worths
 
 

@@ -7,19 +7,17 @@ in sight of a place where a robot was; cleared the part of that which a camera l
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import atan2, ceil, cos, floor, pi, sin
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
 from robots.exploration.frontiers import Frontier
+from robots.exploration.strategies.sight import Mask, Sight
 from robots.planning.plan_grid import FREE, PlanGrid
 from robots.planning.travel import UNREACHED
 from robots.se2 import Array
 
-Mask = NDArray[np.bool_]
-CLEAR_CONE_RAD = pi / 3.0  # of the camera that looks for victims
 _PIECE_M = 3.0  # a boundary that reaches all round a robot is many places to go to, not one
 _LEAST_CELLS = 5  # of a boundary; fewer are noise of the map
 
@@ -40,18 +38,17 @@ class Candidate(Frontier):
     area_m2: float = 0.0
 
 
-def three_grids(grid: PlanGrid, trail: Array, safe_m: float) -> ThreeGrids:
+def three_grids(grid: PlanGrid, trail: Array, safe_m: float, sight: Sight | None = None) -> ThreeGrids:
     """Return what is safe, free and cleared.
 
     Args:
         grid: the plan grid.
         trail: x, y, heading of where robots were, (k, 3 or more).
         safe_m: the small range.
+        sight: what was in sight of the trail when this was last asked; saves looking again.
     """
-    free = grid.cells == FREE
-    safe, cleared = np.zeros_like(free), np.zeros_like(free)
-    _look(free, safe, cleared, trail, grid.origin[0], grid.origin[1], grid.cell_m, safe_m, CLEAR_CONE_RAD)
-    return ThreeGrids(safe, free, cleared)
+    safe, cleared = (sight or Sight()).look(grid, trail, safe_m)
+    return ThreeGrids(safe, grid.cells == FREE, cleared)
 
 
 def find_candidates(grid: PlanGrid, costs: NDArray[np.int32], grids: ThreeGrids) -> tuple[Candidate, ...]:
@@ -86,32 +83,6 @@ def find_candidates(grid: PlanGrid, costs: NDArray[np.int32], grids: ThreeGrids)
                 )
             )
     return tuple(sorted(found, key=lambda candidate: (candidate.cost_m, candidate.goal)))
-
-
-@njit(cache=True)
-def _look(
-    free: Mask, safe: Mask, cleared: Mask, trail: Array, left: float, low: float, cell: float,
-    reach: float, cone: float,
-) -> None:  # fmt: skip
-    """Mark the free cells in sight from the trail: rays half a cell apart at their ends."""
-    rows, columns = free.shape
-    rays = ceil(2.0 * pi * reach / (0.5 * cell))
-    steps = floor(reach / (0.5 * cell))
-    for k in range(trail.shape[0]):
-        for ray in range(rays):
-            angle = ray * 2.0 * pi / rays
-            turn = angle - trail[k, 2]
-            ahead = abs(atan2(sin(turn), cos(turn))) <= 0.5 * cone
-            for step in range(steps + 1):
-                r = floor((trail[k, 1] + 0.5 * step * cell * sin(angle) - low) / cell)
-                c = floor((trail[k, 0] + 0.5 * step * cell * cos(angle) - left) / cell)
-                if r < 0 or c < 0 or r >= rows or c >= columns or not free[r, c]:
-                    if step > 1:  # the robot's own cell may be in doubt
-                        break
-                    continue
-                safe[r, c] = True
-                if ahead:
-                    cleared[r, c] = True
 
 
 @njit(cache=True)

@@ -45,14 +45,14 @@ class Waymark:
         if view.settings.safe.sweep:
             return self._sweep.worths(view)
         if view.settings.local_map_m:  # what is claimed was left out
-            untold, _ = self._far.survey().shares(places_of(view), SEEN_M)
-            return WORTH_M * untold - ways_of(view)
+            return WORTH_M * self._far.untold(places_of(view), SEEN_M) - ways_of(view)
         return _prospects(view) - ways_of(view)
 
     def reason(self, view: ExplorationView, index: int) -> str:
         """Return how much is to be seen, or why it goes where others were."""
         if view.settings.safe.sweep:
-            return f"make about {self._sweep.areas(view)[index]:.0f} m² of ground safe on the way"
+            area_m2 = self._sweep.areas(view, goals_of(view)[index : index + 1])[0]
+            return f"make about {area_m2:.0f} m² of ground safe on the way"
         if isinstance(view.frontiers[index], FarFrontier):
             return "ground that was left open, along tags"
         untold, claimed = view.survey.shares(goals_of(view)[index : index + 1], SEEN_M)

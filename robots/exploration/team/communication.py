@@ -123,6 +123,17 @@ class Communication:
         points[:, 2] += frame.theta
         return points
 
+    def mates_ways(self, now_s: float) -> Array:
+        """Return places, (m, 3) as x, y, heading, a metre apart on others' straight ways to their goals."""
+        ways = [np.zeros((0, 3))]
+        for mate in self._mates(now_s):
+            if mate.goal_m is not None:
+                way = np.array(mate.goal_m) - (mate.pose.x, mate.pose.y)
+                count = int(np.hypot(*way)) + 2
+                points = np.linspace((mate.pose.x, mate.pose.y), mate.goal_m, count)
+                ways.append(np.column_stack([points, np.full(count, np.arctan2(way[1], way[0]))]))
+        return np.concatenate(ways)
+
     def _mates(self, now_s: float) -> list[Mate]:
         if self._mission_from_map is None:
             return []

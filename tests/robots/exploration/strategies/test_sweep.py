@@ -10,7 +10,7 @@ from robots.config import PlanningConfig
 from robots.exploration.settings import SafeGroundConfig
 from robots.exploration.strategies.sweep import Sweep, kinds_of
 from robots.exploration.strategies.waymark import Waymark
-from robots.exploration.strategy import ExplorationView
+from robots.exploration.strategy import ExplorationView, goals_of
 from robots.exploration.told.survey import Survey
 from robots.planning.plan_grid import FREE, OCCUPIED, PlanGrid
 from robots.planning.travel import travel_costs
@@ -59,7 +59,7 @@ def test_places_to_go_to_are_what_is_not_safe_and_can_be_reached():
 def test_the_ground_on_the_way_is_counted_in_sight_once_and_where_it_is_new():
     grid = hall()
     sweep, seen = swept(view_at(grid, 4.0, 6.0, [(4.0, 6.0)]))
-    areas = sweep.areas(seen)
+    areas = sweep.areas(seen, goals_of(seen))
     for place, area in zip(seen.frontiers, areas, strict=True):
         kinds = kinds_of(grid, np.zeros_like(grid.cells, bool))
         rows, columns = np.indices(kinds.shape)
@@ -80,7 +80,7 @@ def test_a_wall_hides_what_lies_behind():
         nearest = min(
             range(len(seen.frontiers)), key=lambda k: np.hypot(*np.subtract(seen.frontiers[k].goal_m, goal))
         )
-        areas.append(sweep.areas(seen)[nearest])
+        areas.append(sweep.areas(seen, goals_of(seen))[nearest])
     assert areas[1] < 0.85 * areas[0]
 
 
@@ -99,3 +99,15 @@ def test_where_all_is_safe_there_is_nowhere_to_go():
     trail = [(x, y) for x in np.arange(1.0, 20.0) for y in np.arange(1.0, 12.0)]
     _, seen = swept(view_at(hall(), 4.0, 6.0, trail))
     assert seen.frontiers == ()
+
+
+def test_ground_on_the_way_of_another_robot_is_left_to_it():
+    view = view_at(hall(), 4.0, 6.0, [(4.0, 6.0)])
+    way = np.column_stack([np.arange(4.0, 19.0), np.full(15, 9.0), np.zeros(15)])
+    _, alone = swept(view)
+    sweep, beside = swept(replace(view, mates_ways=way))
+    left = [place.goal_m for place in beside.frontiers]
+    assert {place.goal_m for place in alone.frontiers} > set(left)
+    assert all(np.hypot(*(way[:, :2] - goal).T).min() > 2.7 for goal in left)
+    best = beside.frontiers[int(np.argmax(sweep.worths(beside)))]
+    assert best.goal_m[1] < 6.0

@@ -47,6 +47,18 @@ def test_others_are_where_they_say_in_this_robots_own_map():
     assert team.straight(1)[0] == pytest.approx(np.hypot(1.0 + 5.0, 1.0 + 2.0))
 
 
+def test_the_ways_of_others_lead_straight_to_their_goals_until_they_are_heard_no_more():
+    here, there = robot("r1", 10.0, 5.0, 0.3), robot("r2", 4.0, 1.0, 2.0)
+    assert here.mates_ways(0.0).shape == (0, 3)
+    said = there.say(0.0, Pose2(1.0, 2.0, 0.5), (1.0, 7.5), ground(), 4.0)
+    here.hear(0.2, True, (said,))
+    ways = here.mates_ways(0.2)
+    assert ways[[0, -1], :2] == pytest.approx(np.array([(-5.0, -2.0), (-5.0, 3.5)]), abs=0.01)
+    assert np.diff(ways[:, 1]).max() <= 1.0
+    assert ways[:, 2] == pytest.approx(np.pi / 2)
+    assert here.mates_ways(0.2 + MATE_FOR_S + 1.0).shape == (0, 3)
+
+
 def test_without_a_compass_the_map_lies_as_the_robot_stood():
     turned = Communication("r1", AgentConfig(planning=CONFIG.planning, start=(1.0, 1.0, np.pi / 2)))
     turned.hear(0.0, False, ())
