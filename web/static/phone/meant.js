@@ -6,7 +6,7 @@ import { read } from "./reach.js";
 import { understood } from "./short_id.js";
 import { changed, state } from "./state.js";
 import { say } from "./texts.js";
-import { touch } from "./touch.js";
+import { lead, touch } from "./touch.js";
 
 /**
  * A tag's link, as a chip or a label has it.
@@ -50,6 +50,14 @@ export async function goToTyped(typed) {
   const { tag_ids: found, trouble } = there ?? { tag_ids: here.tagIds, trouble: here.trouble };
   if (found.length === 1) touch(found[0]);
   else if (found.length > 1) ask({ choices: found });
+  else ask({ trouble: say(trouble === "unknown" ? "number_unknown" : "number_mistyped", { typed }) });
+}
+
+/** Be led to the tag of this mission whose number somebody typed. @param {string} typed */
+export function leadToTyped(typed) {
+  const { tagIds, trouble } = understood(typed, (state.pocket?.tags ?? []).map(({ tag_id }) => tag_id));
+  if (tagIds.length === 1) lead(`tag:${tagIds[0]}`);
+  else if (tagIds.length > 1) ask({ trouble: say("number_of_several", { tags: tagIds.join(", ") }) });
   else ask({ trouble: say(trouble === "unknown" ? "number_unknown" : "number_mistyped", { typed }) });
 }
 

@@ -14,7 +14,7 @@ const LOOK_EVERY_MS = 60_000;
 const PHOTO_MS = 120_000; // of 300 kB over a bad link
 const REFUSALS = [404, 409, 413, 415, 422];
 /** @type {Record<string, number>} */
-const URGENCY = { mayday: 0, heard: 1, victim: 2, hazard: 3, note: 4, searched: 4, photo: 5, at: 6 };
+const URGENCY = { mayday: 0, heard: 1, victim: 2, hazard: 3, note: 4, searched: 4, exit: 4, photo: 5, at: 6 };
 
 /** @type {Map<string, Report>} */
 const reports = new Map();
