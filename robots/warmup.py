@@ -10,7 +10,7 @@ from math import pi, radians
 import numpy as np
 
 from robots.agent import RobotAgent
-from robots.config import AgentConfig, MappingConfig
+from robots.config import AgentConfig, MappingConfig, PlanningConfig
 from robots.estimation.contradiction import share_seen_through
 from robots.estimation.ekf.filter import EkfFilter
 from robots.estimation.graph.solve import solve
@@ -23,9 +23,11 @@ from robots.estimation.tag_graph.graph import TagGraph, graph_problem
 from robots.estimation.tag_graph.smoothing import smooth_radio
 from robots.exploration.strategies.sight import Sight
 from robots.exploration.strategies.three_grids import find_candidates, three_grids
+from robots.exploration.strategy import ExplorationView
 from robots.exploration.team.team_ground import TeamGround, tiles_of
 from robots.exploration.team.team_message import Patch, Tile
-from robots.exploration.told.claims import Claims
+from robots.exploration.told.claims import Claims, KnownTag
+from robots.exploration.told.far_sight import FarSight
 from robots.exploration.told.outlook import ways_beyond
 from robots.mapping.fused import FusedGrid
 from robots.planning.plan_grid import FREE, UNKNOWN, PlanGrid
@@ -94,8 +96,24 @@ def _warm_up_strategies() -> None:
         find_candidates(grid, travel_costs(grid, 5, 5), three_grids(grid, trail, 3.0, sight))
     claims = Claims()
     claims.hear("warm", TagMemory(np.full((3, 3), CLOSED, np.uint8)))
-    survey = claims.survey(grid, {"warm": (3.0, 0.0)}.get)
-    ways_beyond(grid, survey, np.array([[1, 30]]), 5.0)
+    tags = claims.tags({"warm": (3.0, 0.0)}.get)
+    ways_beyond(grid, claims.survey(grid, tags), np.array([[1, 30]]), 5.0)
+    _warm_up_small_maps(tags)
+
+
+def _warm_up_small_maps(tags: tuple[KnownTag, ...]) -> None:
+    """Look for ways along tags out of a small room."""
+    cells = np.full((60, 60), FREE, np.uint8)
+    cells[:, 58] = UNKNOWN
+    grid = PlanGrid(cells, np.full((60, 60), 5, np.uint8), (0.0, 0.0), 0.1)
+    view = ExplorationView(
+        Pose2(1.0, 1.0, 0.0), (), lambda: Claims().survey(grid, ()), grid=grid,
+        costs=travel_costs(grid, 5, 5), tags=tags, settings=PlanningConfig(min_frontier_m=100.0),
+    )  # fmt: skip
+    sight = FarSight()
+    for _ in range(2):
+        sight.candidates(view)
+    sight.untold(np.array([[1.0, 1.0]]), 1.0)
 
 
 def _warm_up_ranges() -> None:

@@ -125,7 +125,8 @@ class Subscription:
     async def next_keys(self, timeout_s: float | None) -> list[str]:
         """Wait for changes and return their keys, none at all when the time is over."""
         with suppress(TimeoutError):
-            await asyncio.wait_for(self._woken.wait(), timeout_s)
+            async with asyncio.timeout(timeout_s):
+                await self._woken.wait()
         return self.take_keys()
 
     def take_keys(self) -> list[str]:

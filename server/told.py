@@ -13,13 +13,14 @@ from server.api.routes import where_of
 from server.errors import ApiError
 
 
-def told_at(request: Request, tag_id: str) -> dict[str, Any] | None:
+async def told_at(request: Request, tag_id: str) -> dict[str, Any] | None:
     """Return what GET /api/v1/where/{tag_id} says to whoever asks for the page, None where it refuses."""
     language = _spoken(request.headers.get("accept-language", ""))
     mission = request.query_params.get("mission")
     try:
-        by = Needs("viewer")(request, access_of(request).actor_of(request))
-        found = where_of(all_missions(request), by, tag_id, mission, language)
+        access, missions = await access_of(request), await all_missions(request)
+        by = await Needs("viewer")(request, access.actor_of(request))
+        found = where_of(missions, by, tag_id, mission, language)
     except ApiError:
         return None
     return {"language": language, "as_of_s": time.time(), "where": found.model_dump(mode="json")}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Awaitable, Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -125,7 +125,7 @@ def mount_web(
     app: FastAPI,
     viser: tuple[ScenePorts, Gate] | None = None,
     node_modules: Path = NODE_MODULES,
-    told_at: Callable[[Request, str], Mapping[str, Any] | None] = lambda _request, _tag: None,
+    told_at: Callable[[Request, str], Awaitable[Mapping[str, Any] | None]] | None = None,
 ) -> None:
     """Add the pages, /static, /vendor, /favicon.ico and, if given, /viser to the app.
 
@@ -163,7 +163,8 @@ def mount_web(
 
     async def phone(request: Request) -> Response:
         tag_id = request.path_params.get("tag_id")
-        return find(request, "/phone", None if tag_id is None else told_at(request, tag_id))
+        told = None if tag_id is None or told_at is None else await told_at(request, tag_id)
+        return find(request, "/phone", told)
 
     async def file(request: Request) -> Response:
         return find(request, request.url.path)

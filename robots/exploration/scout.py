@@ -23,6 +23,7 @@ from robots.exploration.told.witness import Witness, victims_near
 from robots.mapping.fused import FusedGrid
 from robots.mapping.local_grid import LocalGrid
 from robots.orders import RobotOrder
+from robots.planning.plan_grid import PlanGrid
 from robots.se2 import Pose2
 from robots.tags.deployment import TagDropper
 from robots.tags.map_memory import MAX_BELIEFS, TagBelief, WriterMap
@@ -103,6 +104,7 @@ class Scout:
         self._dropper = TagDropper(config.deployment, config.mapping, (config.seed, own, 2))
         self._witness = Witness(robot_id, config.planning.min_frontier_m)
         self._hearsay = Hearsay()
+        self._to_tell: set[str] = set()  # tags that said something since what they say was drawn
         self._local: LocalGrid | None = None
         self.decision = Decision(0.0, 0.0, "starting", "waiting for the first scan")
         self.frontiers: tuple[FrontierReport, ...] = ()
@@ -171,9 +173,10 @@ class Scout:
         for sighting in now.read:
             self._hear(now, sighting)
         if now.read and now.tag_sd_m == 0.0:
-            self._hearsay.draw(self.explorer.claims.tags(now.tag_place))
-        writes = tuple(self._writes(now, sighting) for sighting in now.read)
-        return Intent(self.decision, drop, tuple(w for w in writes if w is not None), say, doubts)
+            tags = self.explorer.claims.tags(now.tag_place, sorted(self._to_tell))
+            self._hearsay.draw(tags)
+            self._to_tell.difference_update(tag.tag_id for tag in tags)
+        return Intent(self.decision, drop, self._writes(now), say, doubts)
 
     def _with_local_map(self, now: Situation) -> Situation:
         """Return the same with the small map that is planned on in place of the whole, where there is one."""
@@ -210,42 +213,47 @@ class Scout:
         if says.trusted:
             claims, place = self.explorer.claims, now.tag_place(sighting.tag_id)
             claims.hear(sighting.tag_id, says.memory, now.stamp_s, now.tag_sd_m)
+            self._to_tell.add(sighting.tag_id)
             if place is not None:
                 claims.reach_m = max(claims.reach_m, hypot(place[0] - now.pose.x, place[1] - now.pose.y))
 
-    def _writes(self, now: Situation, sighting: TagSighting) -> TagWrite | None:
+    def _writes(self, now: Situation) -> tuple[TagWrite, ...]:
+        if not now.read or not self._tags_talk:
+            return ()
+        own = self.explorer.grids.own.of(now.fused, np.zeros((0, 3)))
+        writes = (self._write(now, sighting, own) for sighting in now.read)
+        return tuple(write for write in writes if write is not None)
+
+    def _write(self, now: Situation, sighting: TagSighting, own: PlanGrid) -> TagWrite | None:
         """Leave in the tag what is known round it, and where the others are, merged with what it said."""
         tag_id, told = sighting.tag_id, self.config.tag_memory
-        if not self._tags_talk:
-            return None
         try:
             says = open_memory(sighting.memory, tag_id, told.key_bytes)
         except TagMemoryError:
             return None
         if not says.trusted:
             return None  # a stranger's memory is left as it is
-        memory = self._answer(now, tag_id, says.memory).fit(told.room_bytes)
+        memory = self._answer(now, tag_id, says.memory, own).fit(told.room_bytes)
         if memory == says.memory:
             return None
         record = close_memory(memory, says.next_revision, tag_id, told.key_bytes, told.room_bytes)
         return TagWrite(tag_id, record)
 
-    def _answer(self, now: Situation, tag_id: str, said: TagMemory) -> TagMemory:
+    def _answer(self, now: Situation, tag_id: str, said: TagMemory, own: PlanGrid) -> TagMemory:
         goals, place = self.explorer.goals, now.tag_place(tag_id) if now.north else None
         if goals.view is not None and place is not None and isinstance(goals.strategy, AnswersTags):
             return goals.strategy.answer(said, goals.view, place)
-        return said.merge(replace(self._told_of(now, tag_id, said), maps=self._map_to_leave(now)))
+        return said.merge(replace(self._told_of(now, tag_id, said, own), maps=self._map_to_leave(now)))
 
-    def _told_of(self, now: Situation, tag_id: str, said: TagMemory) -> TagMemory:
+    def _told_of(self, now: Situation, tag_id: str, said: TagMemory, own: PlanGrid) -> TagMemory:
         """Return what is known of the ground round a tag; its frame needs a compass."""
         place = now.tag_place(tag_id) if now.north else None
         if place is None:
             return TagMemory.empty()
-        grid = self.explorer.grids.own.of(now.fused, np.zeros((0, 3)))
         trail_m, goal_m = self.explorer.trail.points, self.decision.goal_m
         heard = self._heard_of(now, place, said)
         said = said.merge(heard)
-        seen = self._witness.about(tag_id, place, said, grid, trail_m, goal_m, now.stamp_s)
+        seen = self._witness.about(tag_id, place, said, own, trail_m, goal_m, now.stamp_s)
         return heard.merge(replace(seen, victims=victims_near(now.victims, place)))
 
     def _heard_of(self, now: Situation, place: tuple[float, float], said: TagMemory) -> TagMemory:

@@ -33,27 +33,25 @@ def observed_memory(
     phase: int = CENTRED,
     min_frontier_m: float = 0.0,
     told: NDArray[np.uint8] | None = None,
+    edge: NDArray[np.bool_] | None = None,
 ) -> TagMemory:
     """Return what a robot's plan grid (map frame, x north) knows round a tag at (x, y).
 
     ``phase``: the lattice of its cells. A cell is open while a frontier of ``min_frontier_m`` or more lies in
     it, and else closed once some of it is known: there is no way from a closed cell to one nobody has seen.
     ``told`` (s, s), on the same lattice: what was called open is closed once no frontier is left and anything
-    of it is known, or strips along walls stay open for ever.
+    of it is known, or strips along walls stay open for ever. ``edge`` (h, w): the cells of those frontiers,
+    where they are known already.
     """
     if not grid.cells.size:
         return TagMemory.empty()
-    known = grid.cells != UNKNOWN
-    edge = edges_of(grid, min_frontier_m)
+    edge = edges_of(grid, min_frontier_m) if edge is None else edge
     shift = shift_of(phase)
     x_edges = _edges(tag_x + shift[0], grid.origin[0], grid.cell_m)
     y_edges = _edges(tag_y + shift[1], grid.origin[1], grid.cell_m)
-    full = (CELL_M / grid.cell_m) ** 2
-    seen = _sums(known, x_edges, y_edges) >= _KNOWN_SHARE * full
-    open_ = _sums(edge, x_edges, y_edges) > 0
-    if told is not None:
-        seen |= (resized(told, SIDE) == OPEN) & (_sums(known, x_edges, y_edges) > 0)
-    cells = np.where(open_, OPEN, np.where(seen, CLOSED, 0)).astype(np.uint8)
+    least = _KNOWN_SHARE * (CELL_M / grid.cell_m) ** 2
+    told = no_cells() if told is None else told
+    cells = _states(grid.cells, edge, x_edges, y_edges, least, resized(told, SIDE))
     return TagMemory(trimmed(cells), phase=phase if cells.any() else CENTRED)
 
 
@@ -62,13 +60,23 @@ def visited_window(trail_m: Array, tag_x: float, tag_y: float) -> NDArray[np.uin
 
     1 where it came once, 2 where it left and came again.
     """
-    cells = np.zeros((2 * VISITED_REACH + 1,) * 2, np.uint8)
-    at = np.rint((trail_m[:, :2] - (tag_x, tag_y)) / VISITED_M).astype(np.int64) + VISITED_REACH
-    entered = np.ones(len(at), bool)
-    entered[1:] = (at[1:] != at[:-1]).any(axis=1)
-    at = at[entered & ((at >= 0) & (at < len(cells))).all(axis=1)]
-    np.add.at(cells, (at[:, 0], at[:, 1]), 1)
-    return trimmed(np.minimum(cells, 2)) if len(at) else no_cells()
+    cells = _entered(np.asarray(trail_m, np.float64), tag_x, tag_y)
+    return trimmed(cells) if cells.any() else no_cells()
+
+
+@njit(cache=True)
+def _entered(trail: Array, x: float, y: float) -> NDArray[np.uint8]:
+    """Return how often, at most twice, the trail came into each cell round a point."""
+    side = 2 * VISITED_REACH + 1
+    cells = np.zeros((side, side), np.uint8)
+    last_r, last_c = -1, -1
+    for k in range(len(trail)):
+        r = int(np.rint((trail[k, 0] - x) / VISITED_M)) + VISITED_REACH
+        c = int(np.rint((trail[k, 1] - y) / VISITED_M)) + VISITED_REACH
+        if (k == 0 or r != last_r or c != last_c) and 0 <= r < side and 0 <= c < side:
+            cells[r, c] = min(2, cells[r, c] + 1)
+        last_r, last_c = r, c
+    return cells
 
 
 def _edges(middle: float, origin: float, cell_m: float) -> NDArray[np.int64]:
@@ -80,13 +88,27 @@ def _edges(middle: float, origin: float, cell_m: float) -> NDArray[np.int64]:
 
 
 @njit(cache=True)
-def _sums(held: NDArray[np.bool_], x: NDArray[np.int64], y: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return the sums of a grid (rows along y) over a window's cells (rows along x)."""
-    rows, columns = held.shape
-    sums = np.zeros((len(x) - 1, len(y) - 1), np.int64)
+def _states(
+    cells: NDArray[np.uint8],
+    edge: NDArray[np.bool_],
+    x: NDArray[np.int64],
+    y: NDArray[np.int64],
+    least: float,
+    told: NDArray[np.uint8],
+) -> NDArray[np.uint8]:
+    """Return the state of each cell of a window (rows along x), of a grid (rows along y)."""
+    rows, columns = cells.shape
+    states = np.zeros(told.shape, np.uint8)
     for i in range(len(x) - 1):
         for j in range(len(y) - 1):
+            known = 0
+            is_open = False
             for r in range(max(0, y[j]), min(rows, y[j + 1])):
                 for c in range(max(0, x[i]), min(columns, x[i + 1])):
-                    sums[i, j] += held[r, c]
-    return sums
+                    known += cells[r, c] != UNKNOWN
+                    is_open |= edge[r, c]
+            if is_open:
+                states[i, j] = OPEN
+            elif known >= least or (known > 0 and told[i, j] == OPEN):
+                states[i, j] = CLOSED
+    return states

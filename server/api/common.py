@@ -28,7 +28,7 @@ ERRORS: dict[int | str, dict[str, Any]] = {
 }
 
 
-def all_missions(request: Request) -> Missions:
+async def all_missions(request: Request) -> Missions:
     """Return the missions of this application."""
     missions: Missions = request.app.state.missions
     return missions
@@ -45,7 +45,7 @@ ON_ONE_THAT_IS_OVER = {
 """Changes that a closed mission takes: people's safety, and what settles or says by itself how it stands."""
 
 
-def _mission(
+async def _mission(
     mission_id: Annotated[str, Path(description="The mission's id.")],
     missions: AllMissions,
     request: Request,
@@ -59,7 +59,7 @@ def _mission(
 OneMission = Annotated[Mission, Depends(_mission)]
 
 
-def access_of(connection: HTTPConnection) -> Access:
+async def access_of(connection: HTTPConnection) -> Access:
     """Return the door of this application."""
     access: Access = connection.app.state.access
     return access
@@ -68,7 +68,7 @@ def access_of(connection: HTTPConnection) -> Access:
 TheAccess = Annotated[Access, Depends(access_of)]
 
 
-def _actor(connection: HTTPConnection, access: TheAccess) -> Actor:
+async def _actor(connection: HTTPConnection, access: TheAccess) -> Actor:
     actor = access.actor_of(connection)
     connection.state.actor = actor  # for the audit log
     return actor
@@ -81,7 +81,7 @@ class Needs:
     role: Role
     robots: bool = False
 
-    def __call__(self, connection: HTTPConnection, actor: Annotated[Actor, Depends(_actor)]) -> Actor:
+    async def __call__(self, connection: HTTPConnection, actor: Annotated[Actor, Depends(_actor)]) -> Actor:
         """Return who it is.
 
         Raises:
@@ -118,7 +118,7 @@ Commander = Annotated[Actor, Depends(Needs("commander"))]
 RobotOrOperator = Annotated[Actor, Depends(Needs("operator", robots=True))]
 
 
-def change_of(request: Request) -> Change:
+async def change_of(request: Request) -> Change:
     """Return what the audit log will say of the change that this request makes."""
     change = request.state.change = Change()
     return change

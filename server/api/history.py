@@ -32,7 +32,7 @@ _PNG: dict[int | str, dict[str, Any]] = {
 }
 
 
-def _past(mission: OneMission, missions: AllMissions) -> Past:
+async def _past(mission: OneMission, missions: AllMissions) -> Past:
     return Past(missions.store, mission.mission_id)
 
 

@@ -27,7 +27,7 @@ async def log_in(body: LoginIn, access: TheAccess, request: Request, response: R
     """Begin a session, kept in a cookie that pages cannot read."""
     sender = request.client.host if request.client is not None else "nowhere"
     secret, account = await access.accounts.log_in(body.name, body.password, sender)
-    return _begin(request, response, secret, account)
+    return await _begin(request, response, secret, account)
 
 
 @router.delete(
@@ -49,12 +49,12 @@ async def log_out(access: TheAccess, request: Request, response: Response) -> No
 async def join_by_link(body: JoinIn, access: TheAccess, request: Request, response: Response) -> MeOut:
     """Make an account with a one-time link and log in."""
     secret, account = await access.accounts.join(body.secret, body.name, body.password)
-    return _begin(request, response, secret, account)
+    return await _begin(request, response, secret, account)
 
 
-def _begin(request: Request, response: Response, secret: str, account: AccountRecord) -> MeOut:
+async def _begin(request: Request, response: Response, secret: str, account: AccountRecord) -> MeOut:
     request.state.actor = Actor(account.name, account.role)
-    change_of(request).subject = account.name
+    (await change_of(request)).subject = account.name
     response.set_cookie(
         COOKIE,
         secret,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import time
 from contextlib import suppress
 
 from fastapi import APIRouter, WebSocket, WebSocketDisconnect
@@ -16,8 +15,6 @@ from server.people.access import Access
 from server.people.actor import Actor
 
 router = APIRouter(prefix="/missions/{mission_id}")
-_PAUSE_S = 0.02  # changes are sent at most this often
-_HEARTBEAT_S = 1.0
 _SEND_S = 10.0  # who takes longer to accept a message is not reading any more
 _NOT_LOGGED_IN, _FOREIGN, _UNKNOWN = 4401, 4403, 4404
 _CODES = {401: _NOT_LOGGED_IN, 403: _FOREIGN, 404: _UNKNOWN}
@@ -31,21 +28,15 @@ async def stream(websocket: WebSocket, mission_id: str) -> None:
         return
     mission, actor = found
     listening = asyncio.create_task(_until_over(websocket, actor))
-    board = mission.board
     try:
         with (
             mission.presence.of(actor),
-            board.subscribe() as subscription,
+            mission.broadcast.listener() as listener,
             suppress(WebSocketDisconnect, RuntimeError, TimeoutError),
         ):
-            text = '{"type":"snapshot","server_unix_s":%.3f,"state":%s}'
-            await _send(websocket, text % (time.time(), board.snapshot_text()))
+            await _send(websocket, mission.broadcast.snapshot_text())
             while not listening.done():
-                keys = await subscription.next_keys(_HEARTBEAT_S)
-                there, gone = board.changes_text(keys)
-                text = '{"type":"changes","server_unix_s":%.3f,"set":%s,"delete":%s}'
-                await _send(websocket, text % (time.time(), there, gone))
-                await asyncio.sleep(_PAUSE_S)
+                await _send(websocket, await listener.next_text())
     finally:
         listening.cancel()
         with suppress(WebSocketDisconnect, RuntimeError, TimeoutError):
@@ -76,7 +67,8 @@ async def entered(websocket: WebSocket, mission_id: str) -> tuple[Mission, Actor
 
 
 async def _send(websocket: WebSocket, text: str) -> None:
-    await asyncio.wait_for(websocket.send_text(text), _SEND_S)
+    async with asyncio.timeout(_SEND_S):
+        await websocket.send_text(text)
 
 
 async def _until_over(websocket: WebSocket, actor: Actor) -> None:

@@ -18,6 +18,7 @@ from robots.team import TeamGrid
 from robots.types import Observation
 from server.agents.process import ForkServer
 from server.board import Board
+from server.broadcast import Broadcast
 from server.differences import differences
 from server.errors import ApiError
 from server.history.recorder import Recorder
@@ -82,6 +83,7 @@ class Mission:
         self.mission_id = mission_id
         self.board = Board() if board is None else board
         self.events = Events(store, mission_id, self.board)
+        self.broadcast = Broadcast(self.board)
         self.presence = Presence(self.board)
         self.routes = Routes(self.board)
         self.annotations = Annotations(store, mission_id, self.board)

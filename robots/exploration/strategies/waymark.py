@@ -45,8 +45,7 @@ class Waymark:
         if view.settings.safe.sweep:
             return self._sweep.worths(view)
         if view.settings.local_map_m:  # what is claimed was left out
-            untold, _ = self._far.survey().shares(places_of(view), SEEN_M)
-            return WORTH_M * untold - ways_of(view)
+            return WORTH_M * self._far.untold(places_of(view), SEEN_M) - ways_of(view)
         return _prospects(view) - ways_of(view)
 
     def reason(self, view: ExplorationView, index: int) -> str:

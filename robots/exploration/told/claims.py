@@ -6,7 +6,8 @@ overrules it: claims only speak of ground that is unknown in its own map.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from bisect import insort
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from math import ceil
 
@@ -53,6 +54,17 @@ def driven(tags: Sequence[KnownTag]) -> Array:
     return np.concatenate([np.zeros((0, 2)), *found])
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Drawn:
+    """What a tag says made ready to be drawn: its window in cells of the lattice, rows along y, and goals."""
+
+    tag: KnownTag
+    own: int | None
+    fine: NDArray[np.uint8]
+    first_m: tuple[float, float]  # x, y of the window's first corner in the map frame
+    promised: Array  # (n, 2) in the map frame
+
+
 class Claims:
     """The memories read so far, by tag."""
 
@@ -63,22 +75,33 @@ class Claims:
         self._heard: dict[str, TagMemory] = {}  # as read last: the same again says nothing new
         self._read_s: dict[str, float] = {}
         self._sds_m: dict[str, float] = {}  # of the places where tags are believed
+        self._ids: list[str] = []  # in order
+        self._known: dict[str, KnownTag] = {}  # as last asked for, and where it was believed then
+        self._drawn: dict[str, _Drawn] = {}
 
     def hear(self, tag_id: str, memory: TagMemory, now_s: float = 0.0, sd_m: float = 0.0) -> None:
         """Take in what a tag of the mission says; ``sd_m`` of the place where it is believed."""
+        if tag_id not in self._memories:
+            insort(self._ids, tag_id)
+        self._known.pop(tag_id, None)
         if self._heard.get(tag_id) is not memory:
             self._heard[tag_id] = memory
             self._memories[tag_id] = self._memories.get(tag_id, TagMemory.empty()).merge(memory.uncut())
         self._read_s[tag_id], self._sds_m[tag_id] = now_s, sd_m
 
-    def tags(self, place_of: PlaceOf) -> tuple[KnownTag, ...]:
-        """Return the tags that were read and have a place, by id."""
-        places = ((tag_id, place_of(tag_id)) for tag_id in sorted(self._memories))
-        return tuple(
-            KnownTag(tag_id, place, self._memories[tag_id], self._read_s[tag_id])
-            for tag_id, place in places
-            if place is not None
-        )
+    def tags(self, place_of: PlaceOf, among: Iterable[str] | None = None) -> tuple[KnownTag, ...]:
+        """Return the tags that were read and have a place, by id; only ``among`` these, in their order."""
+        found, known = [], self._known
+        for tag_id in self._ids if among is None else among:
+            place = place_of(tag_id)
+            if place is None:
+                continue
+            tag = known.get(tag_id)
+            if tag is None or tag.place_m != place:
+                tag = KnownTag(tag_id, place, self._memories[tag_id], self._read_s[tag_id])
+                known[tag_id] = tag
+            found.append(tag)
+        return tuple(found)
 
     def victims(self, place_of: PlaceOf) -> tuple[ToldVictim, ...]:
         """Return the victims that tags tell of, as the tags lie now."""
@@ -89,24 +112,61 @@ class Claims:
             for mark in tag.memory.victims
         )
 
-    def survey(self, grid: PlanGrid, place_of: PlaceOf) -> Survey:
-        """Return what is unknown, here and to all whose word was read, as the tags lie now."""
+    def survey(self, grid: PlanGrid, tags: Sequence[KnownTag]) -> Survey:
+        """Return what is unknown, here and to all whose word was read in tags, as ``tags`` gave them."""
         unknown = _unknown_shares(grid.cells, grid.cell_m, LATTICE_M)
-        claimed, whole = np.zeros(unknown.shape, np.uint8), np.zeros(unknown.shape, np.uint8)
+        whole = np.zeros(unknown.shape, np.uint8)
+        sds_m, (left, low), (rows, columns) = self._sds_m, grid.origin, whole.shape
+        claimed = whole if not any(sds_m.values()) else np.zeros_like(whole)
         promised = []
-        for tag in self.tags(place_of):
-            fine = np.repeat(np.repeat(tag.memory.cells.T, _PER_CELL, axis=0), _PER_CELL, axis=1)
-            rings = ceil(_SURE_SD * self._sds_m[tag.tag_id] / LATTICE_M - 1e-9)
-            _draw(whole, fine, tag, grid.origin)
-            _draw(claimed, _eroded(fine, rings), tag, grid.origin)
-            promised += [
-                (tag.place_m[0] + p.goal_m[0], tag.place_m[1] + p.goal_m[1])
-                for p in tag.memory.passes
-                if p.key != self.own and p.goal_m is not None
-            ]
+        for tag in tags:
+            drawn = self._made_ready(tag)
+            promised.append(drawn.promised)
+            side = len(drawn.fine)
+            row = round((drawn.first_m[1] - low) / LATTICE_M)
+            column = round((drawn.first_m[0] - left) / LATTICE_M)
+            if not (-side < row < rows and -side < column < columns):
+                continue
+            _draw(whole, drawn.fine, row, column)
+            if claimed is not whole:
+                rings = ceil(_SURE_SD * sds_m[tag.tag_id] / LATTICE_M - 1e-9)
+                _draw(claimed, _eroded(drawn.fine, rings), row, column)
         doubtful = (whole == CLOSED) & (claimed != CLOSED)
         shade = shaded(whole, unknown, self.reach_m >= FROM_AFAR_M)
-        return Survey(unknown, claimed, grid.origin, np.array(promised).reshape(-1, 2), doubtful, shade)
+        goals = np.concatenate(promised) if promised else np.zeros((0, 2))
+        return Survey(unknown, claimed, grid.origin, goals, doubtful, shade)
+
+    def _made_ready(self, tag: KnownTag) -> _Drawn:
+        """Return what to draw of a tag, worked out anew where it says something else or lies elsewhere."""
+        drawn = self._drawn.get(tag.tag_id)
+        if drawn is not None and drawn.tag is tag and drawn.own == self.own:
+            return drawn
+        memory = tag.memory
+        if drawn is not None and drawn.tag.memory is memory:
+            fine = drawn.fine
+        else:
+            fine = np.repeat(np.repeat(memory.cells.T, _PER_CELL, axis=0), _PER_CELL, axis=1)
+        offsets = [goal for p in memory.passes if p.key != self.own and (goal := p.goal_m) is not None]
+        promised = np.array(offsets).reshape(-1, 2) + np.array(tag.place_m)
+        half, (north, west) = memory.side / 2.0 * CELL_M, memory.shift_m
+        first_m = tag.place_m[0] + north - half, tag.place_m[1] + west - half
+        self._drawn[tag.tag_id] = drawn = _Drawn(tag, self.own, fine, first_m, promised)
+        return drawn
+
+
+class LateSurvey:
+    """What ``Claims.survey`` returns, worked out when it is first asked for: not every strategy does."""
+
+    def __init__(self, claims: Claims, grid: PlanGrid, tags: Sequence[KnownTag]) -> None:
+        self._asked = claims, grid, tags
+        self._made: Survey | None = None
+
+    def __call__(self) -> Survey:
+        """Return the survey."""
+        if self._made is None:
+            claims, grid, tags = self._asked
+            self._made = claims.survey(grid, tags)
+        return self._made
 
 
 @njit(cache=True)
@@ -144,17 +204,10 @@ def _eroded(fine: NDArray[np.uint8], rings: int) -> NDArray[np.uint8]:
     return np.where((fine == CLOSED) & ~inner, 0, fine).astype(np.uint8)
 
 
-def _draw(
-    claimed: NDArray[np.uint8], fine: NDArray[np.uint8], tag: KnownTag, origin: tuple[float, float]
-) -> None:
-    """Draw a tag's window, in cells of the lattice, rows along y."""
-    half = tag.memory.side / 2.0 * CELL_M
-    north, west = tag.memory.shift_m
-    row = round((tag.place_m[1] + west - half - origin[1]) / LATTICE_M)
-    column = round((tag.place_m[0] + north - half - origin[0]) / LATTICE_M)
+@njit(cache=True)
+def _draw(claimed: NDArray[np.uint8], fine: NDArray[np.uint8], row: int, column: int) -> None:
+    """Draw a window whose first cell is at (row, column) of the lattice."""
     rows, columns = claimed.shape
-    top, left = max(row, 0), max(column, 0)
-    bottom, right = min(row + len(fine), rows), min(column + len(fine), columns)
-    if top < bottom and left < right:
-        part = claimed[top:bottom, left:right]
-        np.maximum(part, fine[top - row : bottom - row, left - column : right - column], out=part)
+    for r in range(max(row, 0), min(row + fine.shape[0], rows)):
+        for c in range(max(column, 0), min(column + fine.shape[1], columns)):
+            claimed[r, c] = max(claimed[r, c], fine[r - row, c - column])

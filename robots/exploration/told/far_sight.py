@@ -7,16 +7,17 @@ Where no edge is left, the robot goes along tags to the ground that somebody saw
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import inf
+from math import hypot, inf
 
 import numpy as np
+from numba import njit
 
 from robots.exploration.frontiers import Frontier, find_frontiers
 from robots.exploration.strategy import ExplorationView
 from robots.exploration.told.atlas import Atlas
-from robots.exploration.told.survey import Survey
-from robots.exploration.told.tag_ways import Place, TagWays, apart, nearest_reachable, reachable_near
-from robots.planning.plan_grid import OCCUPIED, UNKNOWN, PlanGrid
+from robots.exploration.told.claims import KnownTag
+from robots.exploration.told.tag_ways import Index, Place, TagWays, apart, nearest_reachable, reachable_near
+from robots.planning.plan_grid import PlanGrid
 from robots.se2 import Array
 
 _PASSED_M = 0.6
@@ -42,12 +43,15 @@ class FarSight:
         self.atlas = Atlas()
         self._ways = TagWays()
         self._marks: dict[str, Place] = {}  # where it was itself, wherever there is no tag
+        self._noted: dict[str, KnownTag] = {}
         self._tried: list[tuple[Place, float]] = []
         self._target: Place | None = None
 
-    def survey(self) -> Survey:
-        """Return what is covered, for weighing."""
-        return self.atlas.survey()
+    def untold(self, points_m: Array, within_m: float) -> Array:
+        """Return how much of the squares round points (n, 2) nobody covered, (n,); to weigh them by."""
+        if len(points_m) == 0:
+            return np.zeros(0)
+        return self.atlas.survey(points_m, within_m).shares(points_m, within_m)[0]
 
     def candidates(self, view: ExplorationView) -> tuple[Frontier, ...]:
         """Return the edges of the small map that lead to new ground, else the next place on the way to it."""
@@ -58,52 +62,52 @@ class FarSight:
         self.atlas.see(grid)
         self.atlas.settle()
         here = view.pose.x, view.pose.y
-        places = self._marks | {tag.tag_id: tag.place_m for tag in view.tags}
-        if all(apart(here, place) > _MARK_M for place in places.values()):
-            self._marks[f"#{len(self._marks)}"] = here
-        near = {name: place for name, place in places.items() if grid.holds(*grid.cell_of(*place))}
-        reached = self._ways.see(here, near, grid, costs)
-        fresh = find_frontiers(self._with_covered(grid), costs, view.settings.min_frontier_m)
+        self._note(view.tags)
+        reached = self._ways.see(here, grid, costs)
+        if not self._ways.is_near(here, _MARK_M):
+            name = f"#{len(self._marks)}"
+            self._marks[name] = here
+            self._ways.note(name, here)
+            reached = np.append(reached, inf)
+        covered = replace(grid, cells=self.atlas.with_covered(grid))
+        fresh = find_frontiers(covered, costs, view.settings.min_frontier_m)
         if fresh:
             self._target = None
             return fresh
-        far = self._far(view, grid, places, reached)
+        far = self._far(view, grid, reached)
         return () if far is None else (far,)
 
-    def _with_covered(self, grid: PlanGrid) -> PlanGrid:
-        """Return the grid in which covered ground beyond its edge is no longer unknown."""
-        rows, columns = grid.cells.shape
-        x = np.arange(0.5, columns) * grid.cell_m + grid.origin[0]
-        y = np.arange(0.5, rows) * grid.cell_m + grid.origin[1]
-        covered = (grid.cells == UNKNOWN) & self.atlas.closed_at(x, y)
-        return replace(grid, cells=np.where(covered, OCCUPIED, grid.cells).astype(np.uint8))
+    def _note(self, tags: tuple[KnownTag, ...]) -> None:
+        for tag in tags:
+            if self._noted.get(tag.tag_id) is not tag:
+                self._noted[tag.tag_id] = tag
+                self._ways.note(tag.tag_id, tag.place_m)
+        if len(self._noted) > len(tags):  # a tag's place is no longer known
+            self._noted = {tag.tag_id: tag for tag in tags}
+            self._ways.forget_all()
+            for name, place in (self._marks | {tag.tag_id: tag.place_m for tag in tags}).items():
+                self._ways.note(name, place)
 
-    def _far(
-        self, view: ExplorationView, grid: PlanGrid, known: dict[str, Place], reached: dict[str, float]
-    ) -> FarFrontier | None:
+    def _far(self, view: ExplorationView, grid: PlanGrid, reached: Array) -> FarFrontier | None:
         self._tried = [(place, until) for place, until in self._tried if until > view.now_s]
         ways, before = self._ways.ways(reached)
-        names = sorted(name for name in ways if name in known)
+        order = self._ways.order
+        tags = order[np.isfinite(ways[order]) & self._ways.known[order]]
         places = self.atlas.open_places()
-        if not names or len(places) == 0:
+        if len(tags) == 0 or len(places) == 0:
             return None
-        at = np.array([known[name] for name in names])
-        legs = np.hypot(*(places[:, None] - at[None]).transpose(2, 0, 1))
-        nearest = legs <= np.maximum(_LAST_LEG_M, legs.min(axis=1, keepdims=True))
-        legs = np.where(legs <= _LAST_LEG_M, legs, np.where(nearest, _DETOUR * legs, inf))
-        totals = legs + np.array([ways[name] for name in names])
-        by, total = totals.argmin(axis=1), totals.min(axis=1)
-        total = total - _STAYS_M * self._is_target(places)
+        by, ways_m = _over_tags(places, tags, self._ways.places_m, ways)
+        total = ways_m - _STAYS_M * self._is_target(places)
         for index in np.argsort(total, kind="stable"):
-            place, name = (float(places[index, 0]), float(places[index, 1])), names[int(by[index])]
+            place, tag = (float(places[index, 0]), float(places[index, 1])), int(by[index])
             if any(apart(place, tried) < _TRIED_M for tried, _ in self._tried):
                 continue
-            step = self._step(view, grid, known, before, name, reached, place)
+            step = self._step(view, grid, before, tag, reached, place)
             if step is None:  # it is there, and nothing is to be seen
                 self._tried.append((place, view.now_s + _TRIED_S))
                 continue
             self._target = place
-            return FarFrontier(step, grid.centre_of(*step), 0.0, float(totals[index].min()), place)
+            return FarFrontier(step, grid.centre_of(*step), 0.0, float(ways_m[index]), place)
         return None
 
     def _is_target(self, places: Array) -> Array:
@@ -113,23 +117,39 @@ class FarSight:
         return near
 
     def _step(
-        self, view: ExplorationView, grid: PlanGrid, known: dict[str, Place], before: dict[str, str],
-        name: str, reached: dict[str, float], place: Place,
-    ) -> tuple[int, int] | None:  # fmt: skip
+        self, view: ExplorationView, grid: PlanGrid, before: Index, tag: int, reached: Array, place: Place
+    ) -> tuple[int, int] | None:
         """Return the cell to drive to next; None where the robot is as near to the place as it gets."""
         assert view.costs is not None
         here = view.pose.x, view.pose.y
-        on_way, after = name, None
-        while on_way not in reached:
-            on_way, after = before[on_way], on_way
-        if after is not None:
+        on_way, after = tag, -1
+        while reached[on_way] == inf:
+            on_way, after = int(before[on_way]), on_way
+        at_m = float(self._ways.places_m[on_way, 0]), float(self._ways.places_m[on_way, 1])
+        if after >= 0:
             between = self._ways.between(on_way, after)
             if apart(between, here) > _PASSED_M:
                 cell = reachable_near(grid, view.costs, between)
                 if cell is not None:
                     return cell
-        elif reached[on_way] < _PASSED_M or apart(here, place) < apart(known[on_way], place):
+        elif reached[on_way] < _PASSED_M or apart(here, place) < apart(at_m, place):
             nearest = nearest_reachable(grid, view.costs, place)
             nearer = apart(grid.centre_of(*nearest), place) < apart(here, place) - _PASSED_M
             return nearest if nearer else None
-        return reachable_near(grid, view.costs, known[on_way])
+        return reachable_near(grid, view.costs, at_m)
+
+
+@njit(cache=True)
+def _over_tags(places: Array, tags: Index, places_m: Array, ways: Array) -> tuple[Index, Array]:
+    """Return the tag over which the way to each place is shortest, of equals the first, and that way."""
+    by, totals = np.zeros(len(places), np.int64), np.full(len(places), inf)
+    legs = np.empty(len(tags))
+    for k in range(len(places)):
+        for j in range(len(tags)):
+            legs[j] = hypot(places[k, 0] - places_m[tags[j], 0], places[k, 1] - places_m[tags[j], 1])
+        most = max(_LAST_LEG_M, legs.min())
+        for j in range(len(tags)):
+            leg = legs[j] if legs[j] <= _LAST_LEG_M else _DETOUR * legs[j]
+            if legs[j] <= most and leg + ways[tags[j]] < totals[k]:
+                by[k], totals[k] = tags[j], leg + ways[tags[j]]
+    return by, totals

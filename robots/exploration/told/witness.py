@@ -10,6 +10,10 @@ from collections.abc import Sequence
 from dataclasses import replace
 from math import hypot
 
+import numpy as np
+from numpy.typing import NDArray
+
+from robots.exploration.frontiers import edges_of
 from robots.planning.plan_grid import PlanGrid
 from robots.se2 import Array
 from robots.tags.marks import VictimMark, goal_mark, merged_marks, victim_mark
@@ -32,6 +36,7 @@ class Witness:
         self._min_frontier_m = min_frontier_m
         self._corner: Place | None = None  # of a cell of the lattice that this robot found, or began
         self._passes: dict[str, tuple[int, int, float, Place]] = {}  # count, serial, last read, goal
+        self._edge: tuple[PlanGrid, NDArray[np.bool_]] | None = None  # of the grid last told of
 
     def phase_at(self, place: Place, said: TagMemory) -> int:
         """Return the lattice on which a tag at a place is told: its own, one found elsewhere, or begun."""
@@ -65,10 +70,16 @@ class Witness:
         phase = self.phase_at(place, said)
         count, serial, goal = self._pass(tag_id, goal_m or place, now_s)
         return replace(
-            observed_memory(grid, *place, phase, self._min_frontier_m, said.cells),
+            observed_memory(grid, *place, phase, self._min_frontier_m, said.cells, self._edge_of(grid)),
             passes=(goal_mark(self._robot_id, count, serial, goal[0] - place[0], goal[1] - place[1]),),
             visited=visited_window(trail_m, *place),
         )
+
+    def _edge_of(self, grid: PlanGrid) -> NDArray[np.bool_]:
+        """Return the cells of the frontiers of a grid, worked out once for all the tags read there."""
+        if self._edge is None or self._edge[0] is not grid:
+            self._edge = grid, edges_of(grid, self._min_frontier_m)
+        return self._edge[1]
 
     def _pass(self, tag_id: str, goal: Place, now_s: float) -> tuple[int, int, Place]:
         """Count a passage of a tag, or that the goal is another one during it."""

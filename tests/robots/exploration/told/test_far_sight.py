@@ -39,7 +39,7 @@ def view(x: float, tags=(), now_s=0.0, free_to=100.0, y=0.0) -> ExplorationView:
     costs = travel_costs(grid, *grid.cell_of(x, y))
     settings = PlanningConfig(local_map_m=4.0)
     return ExplorationView(
-        Pose2(x, y, 0.0), (), NOTHING, now_s, grid, costs, tags=tuple(tags), settings=settings
+        Pose2(x, y, 0.0), (), lambda: NOTHING, now_s, grid, costs, tags=tuple(tags), settings=settings
     )
 
 
@@ -123,8 +123,10 @@ def test_told_ground_yields_to_own_eyes_at_its_border_only():
     atlas.draw([tag("A", 10.25, {(n, w): CLOSED for n in (-2, -1, 0, 1, 2) for w in (-2, -1, 0, 1, 2)})])
     atlas.see(window(10.0))
     atlas.settle()
-    x, y = np.array([10.2, 11.9, 12.6]), np.array([0.2])
-    np.testing.assert_array_equal(atlas.closed_at(x, y), [[True, True, False]])
+    unknown = PlanGrid(np.zeros((30, 60), np.uint8), np.zeros((30, 60), np.uint8), (8.0, -1.0), CELL_M)
+    covered = atlas.with_covered(unknown)
+    at = [unknown.cell_of(x, 0.2) for x in (10.2, 11.9, 12.6)]
+    assert [bool(covered[cell] == OCCUPIED) for cell in at] == [True, True, False]
     assert (atlas.open_places()[:, 0] < 8.5).any()
 
 
@@ -140,14 +142,15 @@ def test_a_tag_that_is_believed_elsewhere_is_drawn_anew():
 
 def test_ways_along_tags_are_the_shortest_and_only_over_ground_that_was_seen_to_be_free():
     ways = TagWays()
+    for name, place in [(f"T{k}", (9.0 + k, 0.0)) for k in range(7)]:
+        ways.note(name, place)
     for x in (10.0, 11.0, 12.0, 13.0):
+        ways.note("wall", (x, 1.9))
         grid = window(x)
-        places = {f"T{k}": (9.0 + k, 0.0) for k in range(7)} | {"wall": (x, 1.9)}
-        near = {name: place for name, place in places.items() if grid.holds(*grid.cell_of(*place))}
-        reached = ways.see((x, 0.0), near, grid, travel_costs(grid, *grid.cell_of(x, 0.0)))
-    assert "wall" not in reached
-    found, before = ways.ways({"T0": 0.0})
-    assert found["T6"] == pytest.approx(6.0, abs=0.7)
-    assert before["T6"] in ("T2", "T3", "T4", "T5")
-    assert 10.0 <= ways.between(before["T6"], "T6")[0] <= 13.0
-    assert "wall" not in found
+        reached = ways.see((x, 0.0), grid, travel_costs(grid, *grid.cell_of(x, 0.0)))
+        assert np.isinf(reached[7])
+    found, before = ways.ways(np.array([0.0] + 7 * [np.inf]))
+    assert found[6] == pytest.approx(6.0, abs=0.7)
+    assert before[6] in (2, 3, 4, 5)
+    assert 10.0 <= ways.between(int(before[6]), 6)[0] <= 13.0
+    assert np.isinf(found[7])
