@@ -23,7 +23,7 @@ from robots.exploration.manners.suspects import Suspects
 from robots.exploration.strategy import ExplorationView, PlansLocally
 from robots.exploration.team.communication import Communication
 from robots.exploration.team.shared_grids import SharedGrids
-from robots.exploration.told.claims import Claims, PlaceOf
+from robots.exploration.told.claims import Claims, LateSurvey, PlaceOf
 from robots.exploration.trail import Trail, is_at_end, rest_of
 from robots.mapping.fused import FusedGrid
 from robots.orders import Methods, OrderReport, RobotOrder
@@ -211,17 +211,17 @@ class Explorer:
     def _view(
         self, now_s: float, ground: Ground, edges: tuple[Frontier, ...], place_of: PlaceOf
     ) -> ExplorationView:
-        battery = self.homing.battery
+        battery, tags = self.homing.battery, self.claims.tags(place_of)
         return ExplorationView(
             pose=ground.pose,
             frontiers=edges,
-            survey=self.claims.survey(ground.grid, place_of),
+            survey_of=LateSurvey(self.claims, ground.grid, tags),
             now_s=now_s,
             grid=ground.grid,
             costs=ground.costs,
             trail=self.trail.points,
             path_m=np.zeros((0, 2)) if self._aim is None else rest_of(self._aim.path, ground.pose),
-            tags=self.claims.tags(place_of),
+            tags=tags,
             tag_reach_m=self.claims.reach_m,
             battery=1.0 if battery is None else battery,
             settings=self._config.planning,
