@@ -99,7 +99,8 @@ def _warm_up_strategies() -> None:
     claims.hear("warm", TagMemory(np.full((3, 3), CLOSED, np.uint8)))
     tags = claims.tags({"warm": (3.0, 0.0)}.get)
     survey, frontiers = claims.survey(grid, tags), (Frontier((1, 30), (3.0, 0.2), 1.0, 1.0),)
-    Waymark().worths(ExplorationView(Pose2(), frontiers, survey, grid=grid, trail=np.zeros((20, 4))))
+    view = ExplorationView(Pose2(), frontiers, lambda: survey, grid=grid, trail=np.zeros((20, 4)))
+    Waymark().worths(view)
     _warm_up_small_maps(tags)
 
 

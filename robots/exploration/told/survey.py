@@ -51,7 +51,8 @@ class Survey:
 
     def nearness(self, places_m: Array, within_m: float) -> Array:
         """Return how near, 0 to 1, each cell is to one of some places (n, 2), (r, c)."""
-        return _nearness(self._cells(places_m), self.claimed.shape, within_m / LATTICE_M)
+        near: Array = _nearness(self._cells(places_m), self.claimed.shape, within_m / LATTICE_M)
+        return near
 
     def shares(self, points_m: Array, within_m: float) -> tuple[Array, Array]:
         """Return how much of the squares round points (n, 2) nobody has told of, and how much is claimed.
