@@ -119,6 +119,7 @@ sectors = Table(
     Column("created_unix_s", Float, nullable=False),
     Column("changed_unix_s", Float, nullable=False),
     Column("deleted", Boolean, nullable=False),
+    Column("worksite", JSON(none_as_null=True)),  # db.worksites.WorksiteRecord
     _of_mission(),
 )
 

@@ -9,6 +9,7 @@ from sqlalchemy import Connection, select
 
 from db.engine import Database, upsert
 from db.mission_tables import periods, sectors
+from db.worksites import WorksiteRecord
 
 SectorStatus = Literal["unassigned", "under_way", "searched", "second_look"]
 
@@ -18,7 +19,8 @@ class SectorRecord:
     """A part of the ground that somebody searches: robots, or a ``team`` of people.
 
     ``area_m``: its corners in the world frame; ``period``: the number of the operational period in which it
-    was assigned or judged last, None while there was none.
+    was assigned or judged last, None while there was none; ``worksite``: what is marked at its front, None
+    where nothing is.
     """
 
     sector_id: str
@@ -32,13 +34,15 @@ class SectorRecord:
     by: str
     created_unix_s: float
     changed_unix_s: float
+    worksite: WorksiteRecord | None = None
 
     @classmethod
     def of(cls, value: dict[str, Any]) -> SectorRecord:
         """Return it of its plain values, as they are stored and go over the wire."""
         area = tuple((float(x), float(y)) for x, y in value["area_m"])
         told = {item.name: value[item.name] for item in fields(cls)}
-        return cls(**{**told, "area_m": area, "robots": tuple(value["robots"])})
+        worksite = value["worksite"] and WorksiteRecord.of(value["worksite"])
+        return cls(**{**told, "area_m": area, "robots": tuple(value["robots"]), "worksite": worksite})
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Any, Literal
 
@@ -9,6 +10,7 @@ from db.records import PointRecord
 
 VictimStatus = Literal["suspected", "confirmed", "reached", "extricated", "dismissed"]
 Triage = Literal["unknown", "minor", "delayed", "immediate", "deceased"]
+_CROSSED_OUT = 20  # so many earlier counts of a kind are kept, the latest
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +44,8 @@ class StartRecord:
 class SaidRecord:
     """What people said about a victim; robots never change it.
 
-    ``live`` and ``dead`` are how many are still there (INSARAG L-n, D-n), None while nobody has said.
+    ``live`` and ``dead`` are how many are still there (INSARAG L-n, D-n), None while nobody has said;
+    ``live_before`` and ``dead_before`` the counts that stood there before, the oldest first: crossed out.
     ``place_m``: where a person put it, in the world frame; ``merged_into``: the victim that it really is.
     ``tag_id``: the tag it was reported at, with which it moves.
     """
@@ -52,6 +55,8 @@ class SaidRecord:
     team: str = ""
     live: int | None = None
     dead: int | None = None
+    live_before: tuple[int, ...] = ()
+    dead_before: tuple[int, ...] = ()
     start: StartRecord = field(default_factory=StartRecord)
     place_m: tuple[float, float] | None = None
     merged_into: str | None = None
@@ -67,8 +72,25 @@ class SaidRecord:
     def of(cls, value: dict[str, Any]) -> SaidRecord:
         """Return what ``value`` was made of."""
         place = value.get("place_m")
-        start = StartRecord(**value.get("start", {}))
-        return cls(**{**value, "start": start, "place_m": None if place is None else tuple(place)})
+        told = {
+            "start": StartRecord(**value.get("start", {})),
+            "place_m": None if place is None else tuple(place),
+            "live_before": tuple(value.get("live_before", ())),
+            "dead_before": tuple(value.get("dead_before", ())),
+        }
+        return cls(**{**value, **told})
+
+    def crossed_out(self, words: Mapping[str, Any]) -> dict[str, tuple[int, ...]]:
+        """Return which counts stand crossed out once ``words`` are said: none where a count is taken back."""
+        found = {}
+        for name in ("live", "dead"):
+            old, new = getattr(self, name), words.get(name, getattr(self, name))
+            if new != old:
+                stood = getattr(self, f"{name}_before")
+                found[f"{name}_before"] = (
+                    () if new is None else (*stood, old)[-_CROSSED_OUT:] if old else stood
+                )
+        return found
 
 
 @dataclass(frozen=True, slots=True)

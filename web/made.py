@@ -13,9 +13,10 @@ from typing import Any
 from fastapi import Request
 from fastapi.responses import Response
 
-from web.bundle import Sources
-from web.shell import shell, worker
+from web.bundle import Bundle, Sources, bundle
+from web.shell import PAGE, Shell, shell, worker
 
+CONSOLE = "/console"
 _TOLD = b'<script type="application/json" id="told">'
 _NEVER_CHANGES = "public, max-age=31536000, immutable"  # its address names its content
 
@@ -50,13 +51,13 @@ class Ready:
 
 
 class Made:
-    """Pages and combined files by address."""
+    """The console, the phone's page and what it loads, by address."""
 
     def __init__(self, sources: Sources, headers: Mapping[str, str]) -> None:
         self._sources = sources
         self._headers = headers
         self._state: object = None
-        self._ready: Mapping[str, Ready] = {}
+        self._ready: dict[str, Mapping[str, Ready]] = {}
 
     def find(self, address: str) -> Ready | None:
         """Return what is at an address, None where nothing is.
@@ -67,23 +68,32 @@ class Made:
         """
         state = self._sources.state()
         if state != self._state:
-            self._ready = self._make()
+            self._ready = {}
             self._state = state
-        return self._ready.get(address)
+        page = CONSOLE if address == CONSOLE else PAGE
+        if page not in self._ready:
+            self._ready[page] = self._console() if page == CONSOLE else self._phone()
+        return self._ready[page].get(address)
 
-    def _make(self) -> dict[str, Ready]:
+    def _console(self) -> dict[str, Ready]:
+        return {CONSOLE: self._page(bundle("console", self._sources))}
+
+    def _phone(self) -> dict[str, Ready]:
         kept = shell(self._sources)
         ready = {
             address: self._made(address, data)
             for address, data in kept.files.items()
             if address.startswith("/app/")
         }
-        policy = self._headers.get("Content-Security-Policy", "")
-        for kind, hashed in kept.hashes.items():
-            policy = policy.replace(f"{kind} 'self'", f"{kind} 'self' {hashed}")
-        ready["/phone"] = _ready(kept.page, "text/html", {**self._headers, "Content-Security-Policy": policy})
+        ready[PAGE] = self._page(kept)
         ready["/sw.js"] = _ready(worker(self._sources, kept), "text/javascript", self._headers)
         return ready
+
+    def _page(self, made: Bundle | Shell) -> Ready:
+        policy = self._headers.get("Content-Security-Policy", "")
+        for kind, hashed in made.hashes.items():
+            policy = policy.replace(f"{kind} 'self'", f"{kind} 'self' {hashed}")
+        return _ready(made.page, "text/html", {**self._headers, "Content-Security-Policy": policy})
 
     def _made(self, address: str, data: bytes) -> Ready:
         kind = mimetypes.guess_type(address)[0] or "text/javascript"

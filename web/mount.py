@@ -19,7 +19,7 @@ from starlette.types import Scope
 
 from web.bundle import Sources
 from web.lean import LEAN, lean_file
-from web.made import Made
+from web.made import CONSOLE, Made
 from web.proxy import Gate, ScenePorts, mount_proxy
 
 _HERE = Path(__file__).parent
@@ -135,10 +135,7 @@ def mount_web(
     """
 
     async def console(request: Request) -> Response:
-        needed = (n for n in VENDOR_FILES.values() if not n.startswith(_OF_PHONES_ALONE))
-        if any(not (node_modules / name).is_file() for name in needed):
-            return HTMLResponse(_MISSING_PAGE, status_code=503, headers=dict(SECURITY_HEADERS))
-        return _page(request, STATIC / "console" / "index.html")
+        return find(request, CONSOLE)
 
     async def door(request: Request) -> Response:
         return _page(request, STATIC / "door" / "index.html")
@@ -154,7 +151,8 @@ def mount_web(
     made = Made(Sources(STATIC, vendor_files), SECURITY_HEADERS)
 
     def find(request: Request, address: str, told: Mapping[str, Any] | None = None) -> Response:
-        if any(not path.is_file() for path in vendor_files.values()):
+        needless = _OF_PHONES_ALONE if address == CONSOLE else ()
+        if any(not p.is_file() for name, p in vendor_files.items() if not name.startswith(needless)):
             return HTMLResponse(_MISSING_PAGE, status_code=503, headers=dict(SECURITY_HEADERS))
         ready = made.find(address)
         if ready and told is not None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Protocol, runtime_checkable
 
@@ -21,19 +22,19 @@ from robots.tags.memory import TagMemory
 class ExplorationView:
     """What a strategy may use, in the map frame.
 
-    The robot's pose, its reachable frontiers, nearest first, and what is unknown, to it and to those whose
-    word it has read in tags. ``grid`` and ``costs`` int32 (h, w): the plan grid, and what driving to each of
-    its cells costs in fifths of a cell (UNREACHED where it cannot). ``trail`` (k, 4): x, y, heading, stamp of
-    where it was, oldest first, ``mates_trail`` (m, 4) of where others were that were heard, ``mates_ways``
-    (l, 3) of places on their straight ways to their goals; ``path_m`` (n, 2): the rest of its way to its last
-    goal; ``tags``: all that it read, from up to ``tag_reach_m`` off, ``base_m`` where reports go; ``battery``
-    1 full, 0 empty; ``ways_m`` (f,): what it costs to get to the frontiers, where that is not what they say
-    themselves.
+    The robot's pose, its reachable frontiers, nearest first, and ``survey``: what is unknown, to it and to
+    those whose word it has read in tags. ``grid`` and ``costs`` int32 (h, w): the plan grid, and what
+    driving to each of its cells costs in fifths of a cell (UNREACHED where it cannot). ``trail`` (k, 4): x,
+    y, heading, stamp of where it was, oldest first, ``mates_trail`` (m, 4) of where others were that were
+    heard, ``mates_ways`` (l, 3) of places on their straight ways to their goals; ``path_m`` (n, 2): the rest
+    of its way to its last goal; ``tags``: all that it read, from up to ``tag_reach_m`` off, ``base_m`` where
+    reports go; ``battery`` 1 full, 0 empty; ``ways_m`` (f,): what it costs to get to the frontiers, where
+    that is not what they say themselves.
     """
 
     pose: Pose2
     frontiers: tuple[Frontier, ...]
-    survey: Survey
+    survey_of: Callable[[], Survey]
     now_s: float = 0.0
     grid: PlanGrid | None = None
     costs: NDArray[np.int32] | None = None
@@ -47,6 +48,11 @@ class ExplorationView:
     battery: float = 1.0
     settings: PlanningConfig = field(default_factory=PlanningConfig)
     ways_m: Array | None = None
+
+    @property
+    def survey(self) -> Survey:
+        """What is unknown, made when it is first asked for: not every strategy does."""
+        return self.survey_of()
 
     def with_ways(self, ways_m: Array) -> ExplorationView:
         """Return the view in which the ways to the frontiers, (n,), cost so many metres.

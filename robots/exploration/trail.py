@@ -16,21 +16,24 @@ class Trail:
     """The poses of one robot in its map frame, one each quarter of a metre."""
 
     def __init__(self) -> None:
-        self._points: list[tuple[float, float, float, float]] = []
-        self._array: Array = np.zeros((0, 4))
+        self._rows: Array = np.zeros((64, 4))  # the first of them are its points
+        self._count = 0
 
     def note(self, now_s: float, pose: Pose2) -> None:
         """Note where it is."""
-        if self._points and hypot(self._points[-1][0] - pose.x, self._points[-1][1] - pose.y) < _EVERY_M:
-            return
-        self._points.append((pose.x, pose.y, pose.theta, now_s))
+        if self._count:
+            x, y, _, _ = self._rows[self._count - 1].tolist()
+            if hypot(x - pose.x, y - pose.y) < _EVERY_M:
+                return
+        if self._count == len(self._rows):
+            self._rows = np.concatenate([self._rows, np.zeros_like(self._rows)])
+        self._rows[self._count] = pose.x, pose.y, pose.theta, now_s
+        self._count += 1
 
     @property
     def points(self) -> Array:
-        """All of it, (k, 4): x, y, heading and stamp, oldest first."""
-        if len(self._array) < len(self._points):
-            self._array = np.array(self._points)
-        return self._array
+        """All of it, (k, 4): x, y, heading and stamp, oldest first; points noted later do not change it."""
+        return self._rows[: self._count]
 
 
 def rest_of(path_m: Array, pose: Pose2) -> Array:

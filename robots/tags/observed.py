@@ -60,13 +60,23 @@ def visited_window(trail_m: Array, tag_x: float, tag_y: float) -> NDArray[np.uin
 
     1 where it came once, 2 where it left and came again.
     """
-    cells = np.zeros((2 * VISITED_REACH + 1,) * 2, np.uint8)
-    at = np.rint((trail_m[:, :2] - (tag_x, tag_y)) / VISITED_M).astype(np.int64) + VISITED_REACH
-    entered = np.ones(len(at), bool)
-    entered[1:] = (at[1:] != at[:-1]).any(axis=1)
-    at = at[entered & ((at >= 0) & (at < len(cells))).all(axis=1)]
-    np.add.at(cells, (at[:, 0], at[:, 1]), 1)
-    return trimmed(np.minimum(cells, 2)) if len(at) else no_cells()
+    cells = _entered(np.asarray(trail_m, np.float64), tag_x, tag_y)
+    return trimmed(cells) if cells.any() else no_cells()
+
+
+@njit(cache=True)
+def _entered(trail: Array, x: float, y: float) -> NDArray[np.uint8]:
+    """Return how often, at most twice, the trail came into each cell round a point."""
+    side = 2 * VISITED_REACH + 1
+    cells = np.zeros((side, side), np.uint8)
+    last_r, last_c = -1, -1
+    for k in range(len(trail)):
+        r = int(np.rint((trail[k, 0] - x) / VISITED_M)) + VISITED_REACH
+        c = int(np.rint((trail[k, 1] - y) / VISITED_M)) + VISITED_REACH
+        if (k == 0 or r != last_r or c != last_c) and 0 <= r < side and 0 <= c < side:
+            cells[r, c] = min(2, cells[r, c] + 1)
+        last_r, last_c = r, c
+    return cells
 
 
 def _edges(middle: float, origin: float, cell_m: float) -> NDArray[np.int64]:

@@ -50,8 +50,9 @@ def trimmed(cells: Cells) -> Cells:
 
 def joined(first: Cells, second: Cells) -> Cells:
     """Return the greater state of every cell."""
-    side = max(len(first), len(second))
-    both: Cells = np.maximum(resized(first, side), resized(second, side))
+    smaller, larger = (first, second) if len(first) <= len(second) else (second, first)
+    both = larger.copy()
+    _raise(both, smaller)
     return both
 
 
@@ -117,6 +118,15 @@ def unpack(data: bytes, reach: int) -> tuple[Cells, int]:
     if _box(cells) != (top, bottom + 1, left, right + 1):
         raise WindowError("its window is larger than what it holds")
     return trimmed(cells), end
+
+
+@njit(cache=True)
+def _raise(cells: Cells, to: Cells) -> None:
+    """Take the greater state of each cell of a window no larger, whose middle is the same."""
+    ring = (len(cells) - len(to)) // 2
+    for r in range(len(to)):
+        for c in range(len(to)):
+            cells[ring + r, ring + c] = max(cells[ring + r, ring + c], to[r, c])
 
 
 @njit(cache=True)

@@ -49,6 +49,10 @@ async def put_sector(
         if robot_id not in mission.roster.robots:
             text = f"There is no robot {robot_id!r} in this mission; name one that has joined."
             raise ApiError(422, "unknown_robot", text, "robots")
+    change.before = mission.sectors.value(str(sector_id))
+    worksite = body.worksite.record() if body.worksite else None
+    if "worksite" not in body.model_fields_set and change.before is not None:
+        worksite = mission.sectors.get(str(sector_id)).worksite
     now = time.time()
     record = SectorRecord(
         sector_id=str(sector_id),
@@ -62,8 +66,8 @@ async def put_sector(
         by=by.name,
         created_unix_s=now,
         changed_unix_s=now,
+        worksite=worksite,
     )
-    change.before = mission.sectors.value(str(sector_id))
     change.after = sector_value(await mission.sectors.put(record))
     return SectorOut(**change.after)
 

@@ -9,10 +9,12 @@ from typing import Any
 
 from db.sectors import PeriodRecord, SectorRecord
 from db.store import Store
+from db.worksites import goes_on
 from robots.exploration.area import holds
 from server.board import Board
 from server.errors import ApiError, unknown
 from server.mission.events import Events
+from server.mission.worksite_news import worksite_news
 
 MAX_SECTORS = 500
 _WORDS = {
@@ -69,10 +71,16 @@ class Sectors:
         """Keep a sector and return it as it stands; the same words again change nothing.
 
         Raises:
-            ApiError: there are too many.
+            ApiError: there are too many, or visits to the worksite are left out.
         """
         async with self._changing:
             known = self._sectors.get(sector.sector_id)
+            if known is not None and not goes_on(known.worksite, sector.worksite):
+                text = (
+                    "Somebody came to the worksite of whom you did not know. Look at it anew: "
+                    "what was written of visits is never erased."
+                )
+                raise ApiError(409, "visits_lost", text, "worksite")
             if known is None and len(self._sectors) >= MAX_SECTORS:
                 raise ApiError(
                     409, "too_many_sectors", f"There are {MAX_SECTORS} sectors already; remove some."
@@ -91,6 +99,8 @@ class Sectors:
             self._keep(sector)
         if known is None or _work(known) != _work(sector):
             await self._events.tell("sector", f"Sector {sector.name} is {_told(sector)}, says {sector.by}.")
+        for text in worksite_news(None if known is None else known.worksite, sector.worksite):
+            await self._events.tell("sector", f"{text}, says {sector.by}.")
         return sector
 
     async def put_back(self, value: dict[str, Any]) -> None:
@@ -150,6 +160,8 @@ class Sectors:
 def sector_value(sector: SectorRecord) -> dict[str, Any]:
     """Return ``sector/ID`` of the board."""
     told = {**asdict(sector), "area_m": [list(c) for c in sector.area_m], "robots": list(sector.robots)}
+    if sector.worksite is not None:
+        told["worksite"]["visits"] = [asdict(visit) for visit in sector.worksite.visits]
     return {**told, "size_m2": round(abs(signed_m2(sector.area_m)), 1)}
 
 

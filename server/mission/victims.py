@@ -61,6 +61,7 @@ class Victims:
         async with self._changing:
             known = self.get(victim_id)
             self._check_merge(victim_id, words.get("merged_into"))
+            words = {**words, **known.said.crossed_out(words)}
             said = replace(known.said, **words, by=by, changed_unix_s=time.time())
             victim = replace(known, said=said)
             await self._store.findings.record_said(self._mission_id, victim)

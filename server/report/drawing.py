@@ -1,17 +1,16 @@
-"""The plan of the report, and victims' markings as they are sprayed, in SVG."""
+"""The plan of the report, in SVG."""
 
 from __future__ import annotations
 
 import base64
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 from server.report.html import Html, join, tag
 from web.viser.colors import Palette, Rgb
 
 _PALETTE = Palette("daylight")  # for paper
-_PAINT = "marking"
 _MARGIN_M = 1.0
 
 Value = Mapping[str, Any]
@@ -223,47 +222,3 @@ def _scale(width: float, height: float, size: float) -> Html:
         stroke_width=number(size / 8),
     )
     return join((bar, _label(x + length / 2, y - 0.4 * size, size, f"{length} m", "#000")))
-
-
-def insarag(live: int | None, dead: int | None) -> Html:
-    """Return the INSARAG victim marking: a V, L-n and D-n below; what is there no more is crossed out."""
-    lines = [(letter, count) for letter, count in (("L", live), ("D", dead)) if count is not None]
-    parts: list[Html] = [_stroke("M26 8 50 60 74 8", 9)]
-    for k, (letter, count) in enumerate(lines):
-        y = 78 + 20 * k - (len(lines) - 1) * 2
-        parts.append(
-            tag(
-                "text",
-                f"{letter}-{count}",
-                x=50,
-                y=y,
-                text_anchor="middle",
-                font_size=19,
-                font_weight=700,
-                fill=color(_PAINT),
-            )
-        )
-        if count == 0:
-            parts.append(_stroke(f"M30 {72 + 20 * k}H70", 4))
-    return _marking(parts, "INSARAG")
-
-
-def fema(live: int | None, dead: int | None, status: str) -> Html:
-    """Return the FEMA victim marking: a V; a circle: alive; a bar: dead; an X: all were removed."""
-    parts: list[Html] = [_stroke("M28 22 50 74 72 22", 9)]
-    if live:
-        parts.append(tag("circle", cx=50, cy=46, r=42, fill="none", stroke=color(_PAINT), stroke_width=6))
-    elif dead:
-        parts.append(_stroke("M14 46H86", 7))
-    if status == "extricated" or (live == 0 and not dead):
-        parts.append(_stroke("M16 12 84 84M84 12 16 84", 6))
-    return _marking(parts, "FEMA")
-
-
-def _stroke(path: str, width: int) -> Html:
-    return tag("path", d=path, fill="none", stroke=color(_PAINT), stroke_width=width, stroke_linecap="square")
-
-
-def _marking(parts: Sequence[Html], name: str) -> Html:
-    drawn = tag("svg", *parts, viewBox="0 0 100 100", role="img", aria_label=f"{name} marking")
-    return tag("figure", drawn, tag("figcaption", name))

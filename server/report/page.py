@@ -27,6 +27,7 @@ from server.report.parts import (
     wait_s,
 )
 from server.report.photos import Album, photos_part
+from server.report.sectors import sectors_part
 from server.report.story import Story
 
 _PLAN_WORDS = (
@@ -63,6 +64,7 @@ def report_page(
         tag("section", tag("h2", "Plan"), drawn, tag("p", _PLAN_WORDS, class_="small"), class_="page"),
         _film(story, pictures),
         tag("section", tag("h2", "Victims"), *told),
+        sectors_part(story),
         robots_part(story),
         alerts_part(story),
         notes_part(story),

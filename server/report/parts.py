@@ -8,8 +8,10 @@ from typing import Any
 
 from db.records import EventRecord
 from server.history.changes import Value
-from server.report.drawing import fema, insarag, number
+from server.markings.victims import victim_markings, victim_words
+from server.report.drawing import number
 from server.report.html import Html, clock, duration, facts, table, tag
+from server.report.markings import sprayed
 from server.report.photos import Shot, figures
 from server.report.story import Said, Story
 
@@ -35,17 +37,17 @@ def victim_part(victim: Value, n: int, story: Story, shots: Sequence[Shot]) -> H
         place += f", {_apart_m(near, victim):.1f} m from tag {near['tag_id']}"
     told = [(clock(each.unix_s), each.by, _words(each)) for each in story.said.get(name, [])]
     first = (clock(story.first_seen_s[name]), ", ".join(victim["robots"]), "seen first")
-    live, dead = victim["live"], victim["dead"]
     return tag(
         "article",
         tag("h3", f"{n}  {name}: {victim['status']}"),
-        tag("div", insarag(live, dead), fema(live, dead, victim["status"]), class_="markings"),
+        sprayed(victim_markings(victim)),
         facts((
             ("Place", place),
             ("Certainty", f"{victim['confidence']:.0%}, seen {victim['sightings']} times"),
             ("START triage", victim["triage"]),
             ("Alive there", victim["live"]),
             ("Dead there", victim["dead"]),
+            ("Marking", victim_words(victim)),
             ("Team", victim["team"]),
             ("Note", victim["note"]),
         )),

@@ -9,6 +9,7 @@ from pydantic import ConfigDict, Field, model_validator
 from db.sectors import SectorStatus
 from server.mission.sectors import signed_m2
 from server.schemas.common import Corner, Name, Wire
+from server.schemas.worksites import WorksiteWire
 
 _SMALLEST_M2 = 0.25
 
@@ -26,6 +27,7 @@ class SectorIn(Wire):
                     "status": "under_way",
                     "robots": ["r1"],
                     "team": "AUS01",
+                    "worksite": {"worksite_id": "B-3", "hazards": "gas", "triage": "C"},
                 },
             ]
         }
@@ -37,6 +39,9 @@ class SectorIn(Wire):
     robots: list[Name] = Field(default_factory=list, max_length=100, description="The robots that search it.")
     team: str = Field("", max_length=60, description="The team of people that searches it.")
     note: str = Field("", max_length=2000)
+    worksite: WorksiteWire | None = Field(
+        None, description="What is marked at its front; left out: as it is; null: nothing."
+    )
 
     @model_validator(mode="after")
     def _is_a_sector(self) -> Self:
@@ -60,6 +65,7 @@ class SectorOut(Wire):
     robots: list[str]
     team: str
     note: str
+    worksite: WorksiteWire | None
     period: int | None = Field(description="The operational period in which it was assigned or judged last.")
     by: str
     created_unix_s: float

@@ -48,6 +48,8 @@ class VictimOut(Wire):
     team: str = Field(description="Whom it is assigned to.")
     live: int | None = Field(description="How many live are still there; null while nobody has said.")
     dead: int | None
+    live_before: tuple[int, ...] = Field(description="Counts that stood there before, the oldest first.")
+    dead_before: tuple[int, ...]
     start: StartWire
     triage: Triage = Field(description="By START from `start`; `deceased` only by what a person found.")
     place_m: tuple[float, float] | None = Field(description="Where a person put it, if one has.")

@@ -44,7 +44,8 @@ def drive(memory: bytes, heat: tuple[HeatReading, ...] = ()):
 
 def claimed(agent: RobotAgent) -> int:
     grid = agent._scout.explorer._grid
-    return int((agent._scout.explorer.claims.survey(grid, {"A": (0.5, 0.0)}.get).claimed == CLOSED).sum())
+    claims = agent._scout.explorer.claims
+    return int((claims.survey(grid, claims.tags({"A": (0.5, 0.0)}.get)).claimed == CLOSED).sum())
 
 
 def test_what_the_mission_wrote_is_believed_and_kept():

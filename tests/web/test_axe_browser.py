@@ -137,6 +137,23 @@ def test_the_past_and_a_phone_have_no_violation(serve: Any, tmp_path: Path, page
     page.locator(".time-live").click()
     expect(banner).to_have_count(0)
 
+    # in one hand: what must be quick lies in the lower half, and the mission's menu opens within the screen
+    for button in (".evacuate", ".stop-all"):
+        box = page.locator(button).bounding_box()
+        assert box is not None
+        assert box["y"] > 844 * 0.6
+        assert 0 <= box["x"] <= box["x"] + box["width"] <= 390
+        assert all(_apart(page, button, other) for other in ("#tabs", "#time", "#robots", "#stage"))
+    assert _apart(page, ".evacuate", ".stop-all")
+    page.locator(".mission-menu summary").click()
+    card = page.locator(".mission-menu .pop-card").bounding_box()
+    assert card is not None
+    assert 0 <= card["x"] <= card["x"] + card["width"] <= 390
+    report = page.get_by_role("link", name="Report to hand over")
+    assert page.request.get(home + str(report.get_attribute("href"))).ok
+    audit.look("console, mission menu on a phone")
+    page.keyboard.press("Escape")
+
     # the map is free of tools until they are wanted; where a place is asked for, it takes the room
     stage = page.locator("#stage")
     before = stage.bounding_box()
@@ -155,4 +172,13 @@ def test_the_past_and_a_phone_have_no_violation(serve: Any, tmp_path: Path, page
     page.locator("#plan").click(position={"x": 120, "y": 200})
     expect(page.get_by_role("button", name="hazard: Stairs down")).to_be_visible(timeout=SOON_MS)
     expect(page.locator("#robots")).to_be_visible()
+
+    visit = {"team": "AUS01", "level": 3, "entered_unix_s": time.time() - 60}
+    worksite = {"worksite_id": "C-5", "hazards": "gas", "triage": "B", "visits": [visit]}
+    sector = {"name": "C", "area_m": [[0, 0], [4, 0], [4, 4]], "worksite": worksite}
+    assert page.request.put(f"{api}/drill/sectors/{path[-36:]}", data=sector, headers=headers).ok
+    page.get_by_role("button", name="Sectors").click()
+    page.locator(".sector-list button").click(timeout=SOON_MS)
+    expect(page.get_by_role("img", name="FEMA search: AUS01 is inside")).to_be_visible()
+    audit.look("console, worksite on a phone")
     assert not audit.found, "\n".join(audit.found)

@@ -45,9 +45,16 @@ def test_a_sector_is_drawn_assigned_judged_and_opened_again(page: Page, host: st
         panel.get_by_role("button", name="Draw a sector…").click()
         for x, y in ((150, 340), (350, 340), (350, 480), (150, 480)):
             page.locator("#plan").click(position={"x": x, "y": y})
-        expect(panel.get_by_text("4 so far")).to_be_visible()
-        panel.get_by_label("Name").fill("<b>B2</b>")
-        panel.get_by_role("button", name="Close the sector", exact=True).click()
+        drawing = page.get_by_role("region", name="Draw a sector")
+        expect(drawing.get_by_text("4 so far")).to_be_visible()
+        plan, strip = page.locator("#plan").bounding_box(), drawing.bounding_box()
+        assert plan is not None
+        assert strip is not None
+        assert strip["height"] < plan["height"] / 5  # nearly all of the plan is free to be drawn on
+        page.locator("#plan").click(position={"x": 600, "y": 200})
+        drawing.get_by_role("button", name="Last corner off").click()
+        drawing.get_by_label("Name").fill("<b>B2</b>")
+        drawing.get_by_role("button", name="Close the sector", exact=True).click()
         expect(panel.get_by_role("heading", name="Sector <b>B2</b>")).to_be_visible(timeout=SOON_MS)
         panel.get_by_label("Team of people").fill("AUS01")
         panel.get_by_label("Team of people").press("Tab")

@@ -12,8 +12,10 @@ from math import atan2
 
 import numpy as np
 
+from robots.exploration.frontiers import Frontier
 from robots.exploration.strategy import ExplorationView, goals_of
-from robots.se2 import Array, wrap
+from robots.exploration.told.claims import KnownTag
+from robots.se2 import Array, Pose2, wrap
 from robots.tags.memory import VISITED_M
 
 _NEAREST_M = VISITED_M  # 1 / d grows without bound at a pose itself
@@ -25,18 +27,33 @@ class Ziparo:
     local_map_m = 4.0
     tag_every_m = 1.0  # "we take care of having the RFIDs at one meter distance from each other"
 
+    def __init__(self) -> None:
+        self._visited: tuple[tuple[KnownTag, ...], tuple[Frontier, ...], Pose2, Array] | None = None
+
     def worths(self, view: ExplorationView) -> Array:
         """Return u(f) of eq. (7)."""
         told = view.settings.ziparo
-        worths: Array = -told.gamma_angle * angles(view) ** 2 - told.gamma_visited * visited(view)  # (7)
+        worths: Array = -told.gamma_angle * angles(view) ** 2 - told.gamma_visited * self._visits(view)  # (7)
         return worths
 
     def reason(self, view: ExplorationView, index: int) -> str:
         """Return where it lies and what tags say of it."""
         turn = angles(view)[index]
         way = "ahead" if turn < 0.5 else "to the side" if turn < 2.0 else "back"
-        told = visited(view)[index]
+        told = self._visits(view)[index]
         return f"the unknown {way}; tags tell of {'no' if told == 0.0 else f'{told:.0f}'} visits near it"
+
+    def _visits(self, view: ExplorationView) -> Array:
+        """Return visited(f), kept from weighing to giving reasons."""
+        known = self._visited
+        if (
+            known is None
+            or known[0] is not view.tags
+            or known[1] is not view.frontiers
+            or known[2] != view.pose
+        ):
+            known = self._visited = view.tags, view.frontiers, view.pose, visited(view)
+        return known[3]
 
 
 def angles(view: ExplorationView) -> Array:
@@ -60,14 +77,16 @@ def visited(view: ExplorationView) -> Array:
 def local_visits(view: ExplorationView) -> tuple[Array, Array]:
     """Return where robots were, (m, 2), and count(p), (m,), as the tags in reach of the local map say."""
     reach = (view.settings.local_map_m or Ziparo.local_map_m) / 2.0
-    counts: dict[tuple[int, int], float] = {}
-    for tag in view.tags:
-        x, y = tag.place_m
-        if max(abs(x - view.pose.x), abs(y - view.pose.y)) > reach:
-            continue
-        visits = tag.memory.visited
-        for (north, west), count in zip(tag.memory.visited_m, visits[visits > 0], strict=True):
-            cell = round((x + north) / VISITED_M), round((y + west) / VISITED_M)
-            counts[cell] = max(counts.get(cell, 0.0), float(count))
-    places = np.array(sorted(counts), dtype=np.float64).reshape(-1, 2) * VISITED_M
-    return places, np.array([counts[cell] for cell in sorted(counts)])
+    x, y = view.pose.x, view.pose.y
+    near = [
+        tag for tag in view.tags
+        if -reach <= tag.place_m[0] - x <= reach and -reach <= tag.place_m[1] - y <= reach
+    ]  # fmt: skip
+    told = [(tag.memory.visited_m + np.array(tag.place_m)) / VISITED_M for tag in near]
+    cells = np.rint(np.concatenate([np.zeros((0, 2)), *told]))
+    counts = np.concatenate([np.zeros(0), *(tag.memory.visited[tag.memory.visited > 0] for tag in near)])
+    order = np.lexsort((-counts, cells[:, 1], cells[:, 0]))
+    cells, counts = cells[order], counts[order]
+    first = np.ones(len(cells), bool)  # of each cell what was said most
+    first[1:] = (cells[1:] != cells[:-1]).any(axis=1)
+    return cells[first] * VISITED_M, counts[first]

@@ -98,9 +98,9 @@ class TeamGround:
     def overlaid(
         self, fused: FusedGrid, factor: int, mission_from_map: Pose2, config: MappingConfig
     ) -> FusedGrid:
-        """Return the map with what others have seen where it knows nothing itself.
+        """Return the map with what others have seen in the cells where it knows nothing itself.
 
-        A square of ``factor`` x ``factor`` cells, a cell of the plan, in which anything is known stays.
+        It grows by whole squares of ``factor`` x ``factor`` cells, the cells of the plan.
         """
         start = (floor(mission_from_map.y / TILE_M), floor(mission_from_map.x / TILE_M))
         index, row, column = self._index(start)
@@ -113,7 +113,6 @@ class TeamGround:
         drawn = fused.covering(in_map.min(axis=0), in_map.max(axis=0), factor)
         _overlay(
             drawn.cells,
-            factor,
             drawn.resolution_m,
             *drawn.origin,
             mission_from_map.x - column * TILE_M,
@@ -245,7 +244,6 @@ def _states(
 @njit(cache=True)
 def _overlay(
     cells: NDArray[np.int32],
-    factor: int,
     resolution: float,
     origin_x: float,
     origin_y: float,
@@ -259,22 +257,16 @@ def _overlay(
     free: int,
 ) -> None:
     rows, columns = index.shape[0] * TILE_CELLS, index.shape[1] * TILE_CELLS
-    for row in range(0, cells.shape[0] - factor + 1, factor):
-        for column in range(0, cells.shape[1] - factor + 1, factor):
-            known = False
-            for b in range(row, row + factor):
-                for a in range(column, column + factor):
-                    known = known or cells[b, a] >= occupied or cells[b, a] <= -free
-            if known:
+    for b in range(cells.shape[0]):
+        for a in range(cells.shape[1]):
+            if cells[b, a] >= occupied or cells[b, a] <= -free:
                 continue
-            for b in range(row, row + factor):
-                for a in range(column, column + factor):
-                    mx, my = origin_x + (a + 0.5) * resolution, origin_y + (b + 0.5) * resolution
-                    u = floor((c * mx - s * my + x) / LATTICE_CELL_M)
-                    v = floor((s * mx + c * my + y) / LATTICE_CELL_M)
-                    if u < 0 or v < 0 or u >= columns or v >= rows:
-                        continue
-                    slot = index[v // TILE_CELLS, u // TILE_CELLS]
-                    told = 0 if slot < 0 else votes[slot, v % TILE_CELLS, u % TILE_CELLS]
-                    if told != 0:
-                        cells[b, a] = occupied if (told >> 8) > (told & 255) else -free
+            mx, my = origin_x + (a + 0.5) * resolution, origin_y + (b + 0.5) * resolution
+            u = floor((c * mx - s * my + x) / LATTICE_CELL_M)
+            v = floor((s * mx + c * my + y) / LATTICE_CELL_M)
+            if u < 0 or v < 0 or u >= columns or v >= rows:
+                continue
+            slot = index[v // TILE_CELLS, u // TILE_CELLS]
+            told = 0 if slot < 0 else votes[slot, v % TILE_CELLS, u % TILE_CELLS]
+            if told != 0:
+                cells[b, a] = occupied if (told >> 8) > (told & 255) else -free

@@ -112,12 +112,11 @@ class Claims:
             for mark in tag.memory.victims
         )
 
-    def survey(self, grid: PlanGrid, place_of: PlaceOf) -> Survey:
-        """Return what is unknown, here and to all whose word was read, as the tags lie now."""
+    def survey(self, grid: PlanGrid, tags: Sequence[KnownTag]) -> Survey:
+        """Return what is unknown, here and to all whose word was read in tags, as ``tags`` gave them."""
         unknown = _unknown_shares(grid.cells, grid.cell_m, LATTICE_M)
         whole = np.zeros(unknown.shape, np.uint8)
-        tags, sds_m = self.tags(place_of), self._sds_m
-        (left, low), (rows, columns) = grid.origin, whole.shape
+        sds_m, (left, low), (rows, columns) = self._sds_m, grid.origin, whole.shape
         claimed = whole if not any(sds_m.values()) else np.zeros_like(whole)
         promised = []
         for tag in tags:
@@ -153,6 +152,21 @@ class Claims:
         first_m = tag.place_m[0] + north - half, tag.place_m[1] + west - half
         self._drawn[tag.tag_id] = drawn = _Drawn(tag, self.own, fine, first_m, promised)
         return drawn
+
+
+class LateSurvey:
+    """What ``Claims.survey`` returns, worked out when it is first asked for: not every strategy does."""
+
+    def __init__(self, claims: Claims, grid: PlanGrid, tags: Sequence[KnownTag]) -> None:
+        self._asked = claims, grid, tags
+        self._made: Survey | None = None
+
+    def __call__(self) -> Survey:
+        """Return the survey."""
+        if self._made is None:
+            claims, grid, tags = self._asked
+            self._made = claims.survey(grid, tags)
+        return self._made
 
 
 @njit(cache=True)

@@ -68,7 +68,8 @@ def claimed_share(robot: ArenaRobot, team_seen: Cells, ground: Ground) -> float 
     if len(rows) == 0 or not robot.places.all():
         return None
     grid = robot.scout.explorer.grids.own.of(robot.map, np.zeros((0, 3)))
-    survey = robot.scout.explorer.claims.survey(grid, robot.places.of)
+    claims = robot.scout.explorer.claims
+    survey = claims.survey(grid, claims.tags(robot.places.of))
     x = world.origin_m[0] + (columns + 0.5) * world.resolution_m - robot.start.x - survey.origin[0]
     y = world.origin_m[1] + (rows + 0.5) * world.resolution_m - robot.start.y - survey.origin[1]
     r, c = np.floor(y / LATTICE_M).astype(int), np.floor(x / LATTICE_M).astype(int)

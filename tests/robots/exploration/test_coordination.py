@@ -56,7 +56,7 @@ def view_from(pose: Pose2, goals_m, grid: PlanGrid | None = None) -> Exploration
         way = costs[cell] / 50.0 if costs[cell] != UNREACHED else 1e3
         frontiers.append(Frontier(cell, grid.centre_of(*cell), 1.0, way))
     survey = Survey(np.ones((16, 20)), np.zeros((16, 20), np.uint8), (0.0, 0.0))
-    return ExplorationView(pose, tuple(frontiers), survey, grid=grid, costs=costs)
+    return ExplorationView(pose, tuple(frontiers), lambda: survey, grid=grid, costs=costs)
 
 
 def teams_of(mates, goals_m, strategy=None):

@@ -45,7 +45,14 @@ def view(*frontiers, trail=NO_TRAIL, tags=(), now_s=100.0, known_to_m=None, **to
     grid = PlanGrid(cells, np.full_like(cells, 5), (-10.0, -10.0), 0.1)
     settings = PlanningConfig(kleiner=KleinerConfig(**told))
     return ExplorationView(
-        Pose2(), frontiers or (LEFT, RIGHT), SURVEY, now_s, grid, trail=trail, tags=tags, settings=settings
+        Pose2(),
+        frontiers or (LEFT, RIGHT),
+        lambda: SURVEY,
+        now_s,
+        grid,
+        trail=trail,
+        tags=tags,
+        settings=settings,
     )
 
 

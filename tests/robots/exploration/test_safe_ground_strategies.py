@@ -21,7 +21,7 @@ def candidate(x, area_m2, way_m):
 
 
 def view(*candidates, battery=1.0):
-    return ExplorationView(Pose2(), candidates, SURVEY, battery=battery)
+    return ExplorationView(Pose2(), candidates, lambda: SURVEY, battery=battery)
 
 
 def test_eq_1_by_hand():
@@ -75,7 +75,7 @@ def test_candidates_come_from_the_view(strategy):
     seen = ExplorationView(
         Pose2(5.0, 0.7, 0.0),
         (),
-        SURVEY,
+        lambda: SURVEY,
         grid=grid,
         costs=travel_costs(grid, 7, 50),
         trail=np.array([[5.0, 0.7, 0, 0]]),

@@ -63,7 +63,8 @@ def test_strangers_are_not_believed_nor_overwritten_and_without_north_nothing_is
         scout = Scout("r1", CONFIG)
         intent = scout.step(situation(read=(sighting(key),), north=north))
         grid = scout.explorer._grid
-        assert bool((scout.explorer.claims.survey(grid, HERE.get).claimed == CLOSED).any()) == told
+        claims = scout.explorer.claims
+        assert bool((claims.survey(grid, claims.tags(HERE.get)).claimed == CLOSED).any()) == told
         assert bool(intent.writes) == told
 
 

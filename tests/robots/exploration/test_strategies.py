@@ -24,7 +24,7 @@ def view(frontiers=(NEAR, FAR), known_to_x_m=0.0, claimed_to_x_m=0.0, state=CLOS
     unknown, claimed = np.ones((20, 60)), np.zeros((20, 60), np.uint8)
     unknown[:, : round(2 * known_to_x_m)] = 0.0
     claimed[:, : round(2 * claimed_to_x_m)] = state
-    return ExplorationView(Pose2(), frontiers, Survey(unknown, claimed, (0.0, 0.0)))
+    return ExplorationView(Pose2(), frontiers, lambda: Survey(unknown, claimed, (0.0, 0.0)))
 
 
 def best(strategy, seen):
@@ -64,7 +64,7 @@ def test_who_reads_tags_only_under_its_feet_does_not_follow_others():
     survey = Survey(
         np.where(cells == UNKNOWN, 1.0, 0.0), claimed, (0.0, 0.0), promised=np.array([(20.0, 2.0)])
     )
-    afar = ExplorationView(Pose2(), edges, survey, grid=grid, tag_reach_m=4.0)
+    afar = ExplorationView(Pose2(), edges, lambda: survey, grid=grid, tag_reach_m=4.0)
     lost = Waymark().worths(afar) - Waymark().worths(replace(afar, tag_reach_m=0.3))
     assert lost[0] > 3.0
     assert lost[1] == pytest.approx(0.0)

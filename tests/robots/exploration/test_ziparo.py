@@ -27,7 +27,7 @@ def tag(name, place, visits):
 
 
 def view(*frontiers, heading=0.0, tags=()):
-    return ExplorationView(Pose2(0.0, 0.0, heading), frontiers, SURVEY, tags=tags)
+    return ExplorationView(Pose2(0.0, 0.0, heading), frontiers, lambda: SURVEY, tags=tags)
 
 
 def test_the_angle_grows_quadratically_with_the_turn():

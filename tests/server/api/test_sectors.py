@@ -54,6 +54,40 @@ def test_the_story_of_a_sector(make_control, tmp_path, drive):
     ] == "Sector B2 is searched (r1, AUS01), says operator."
 
 
+def test_the_story_of_a_worksite(control):
+    line = control.open("worksite")
+    at = f"/sectors/{uuid4()}"
+    sector = {"name": "B2", "area_m": SQUARE}
+    site = {"worksite_id": "B-3", "hazards": "gas", "triage": "C", "is_complete": False, "visits": []}
+    went = {
+        "team": "AUS01", "level": 3, "entered_unix_s": 1e9, "left_unix_s": None, "is_finished": False,
+        "parts": "",
+    }  # fmt: skip
+    assert line.call("PUT", at, {**sector, "worksite": site}).json()["worksite"] == site
+    inside = {**site, "visits": [went]}
+    assert line.call("PUT", at, {**sector, "worksite": inside}).json()["worksite"] == inside
+    assert line.call("PUT", at, {**sector, "note": "left out"}).json()["worksite"] == inside
+    assert line.refused("PUT", at, {**sector, "worksite": site})[:2] == (409, "visits_lost")
+    assert line.refused("PUT", at, {**sector, "worksite": {**inside, "is_complete": True}})[:2] == (
+        422,
+        "invalid",
+    )
+    out = {**went, "left_unix_s": 1e9 + 60, "is_finished": True}
+    done = {**inside, "visits": [out], "is_complete": True}
+    assert line.call("PUT", at, {**sector, "worksite": done}).json()["worksite"] == done
+    told = [event["text"].split(", says")[0] for event in line.events("sector")]
+    assert told == [
+        "Sector B2 is free",
+        "Worksite B-3 is triaged C",
+        "AUS01 went into worksite B-3",
+        "AUS01 left worksite B-3, all is searched",
+        "Worksite B-3 needs no more work",
+    ]
+    entry = line.get("/audit?limit=1")["entries"][0]
+    assert line.call("POST", f"/audit/{entry['audit_id']}/undo").status_code == 204
+    assert line.get("/sectors")["sectors"][0]["worksite"] == inside
+
+
 @pytest.mark.parametrize(
     ("more", "code"),
     [
@@ -64,6 +98,12 @@ def test_the_story_of_a_sector(make_control, tmp_path, drive):
         ({"status": "lost"}, "invalid"),
         ({"status": "under_way", "robots": ["r9"]}, "unknown_robot"),
         ({"name": ""}, "invalid"),
+        ({"worksite": {"worksite_id": "B3"}}, "invalid"),
+        ({"worksite": {"worksite_id": "B-3", "triage": "E"}}, "invalid"),
+        (
+            {"worksite": {"worksite_id": "B-3", "visits": [{"team": "AUS01", "entered_unix_s": -1}]}},
+            "invalid",
+        ),
     ],
 )
 def test_what_is_no_sector_is_refused(line, more, code):

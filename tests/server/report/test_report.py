@@ -74,7 +74,7 @@ def report(control, drive):
     line.call("PUT", gone, {"kind": "note", "text": "was here", "x_m": 1.0, "y_m": 1.0})
     line.call("DELETE", gone)
     first = {"status": "confirmed", "team": "</script><i onclick=x>"}
-    for words in (first, {"live": 2, "dead": 0, "note": HOSTILE}):
+    for words in (first, {"live": 3, "dead": 0}, {"live": 2, "note": HOSTILE}):
         assert line.call("PATCH", f"/victims/{victim}", words).is_success
     for alert in line.get("/alerts")["alerts"]:
         line.call("POST", f"/alerts/{alert['alert_id']}/acknowledge")
@@ -84,6 +84,18 @@ def report(control, drive):
         sent = line.call("POST", "/photos", params=words, content=jpeg(40 * (k + 1)), headers=kind)
         assert sent.is_success, sent.text
     line.call("DELETE", f"/photos/{words['photo_id']}")  # what was taken away is not handed over
+    visit = {
+        "team": "AUS01",
+        "level": 3,
+        "entered_unix_s": 1e9,
+        "left_unix_s": 1e9 + 600,
+        "is_finished": True,
+    }
+    sector = {
+        "name": "North", "area_m": [[-99, -99], [99, -99], [99, 99], [-99, 99]],
+        "worksite": {"worksite_id": "C-5", "hazards": HOSTILE[:120], "visits": [visit]},
+    }  # fmt: skip
+    line.call("PUT", f"/sectors/{uuid4()}", sector)
     line.call("POST", "/stop", {"robots": None})
     response = line.call("GET", "/report.html")
     assert response.status_code == 200
@@ -95,10 +107,13 @@ def test_it_says_what_happened(report):
     words = Reader(response.text).text
     assert "Report of mission handed-over" in words
     assert f"1 {victim}: confirmed" in words
-    assert "L-2" in words
-    assert "D-0" in words
+    assert "L-3 L-2 INSARAG 2020, 2027" in words  # the count of before is crossed out and stands above
+    assert "D-0" not in words
+    assert "Worksite C-5, sector North" in words
+    assert "AUS-01 ASR3" in words
+    assert re.search(r"AUS01 has searched all, \d+ live still inside|not counted yet", response.text)
     assert re.search(r"status: confirmed, team: </script>", words)
-    assert "alive there: 2, dead there: 0" in words
+    assert "alive there: 3, dead there: 0" in words
     assert re.search(r"operator, after \d+ s", words)  # when the alert was noted
     assert "gas </script>" in words
     assert "was here" in words

@@ -5,7 +5,7 @@ import { robotColor } from "./color.js";
 import { age, percent } from "./format.js";
 import { LabelPlaces } from "./label_places.js";
 import { alarming, alertByTag, isOpen } from "./node_sensors.js";
-import { placeOf } from "./notes.js";
+import { placeOf } from "./note_place.js";
 import { sectorName } from "./sectors.js";
 
 /** @import {Alert, Annotation, Node, Robot, Tag, Victim} from "./types.js" */

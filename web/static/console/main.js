@@ -24,7 +24,8 @@ import { PastBanner, TimeBar, timeKeys } from "./time_bar.js";
 import { TimeMarks } from "./time_marks.js";
 import { Banners, TopBar, Veil } from "./top_bar.js";
 import { html, render } from "./vendor.js";
-import { inboxKey, standing, VictimInbox } from "./victims.js";
+import { standing } from "./victim_list.js";
+import { inboxKey, VictimInbox } from "./victims.js";
 
 const MISSIONS_MS = 5000;
 const SHORTEST_RENDER_MS = 80;

@@ -8,7 +8,7 @@ import { ALERT_KINDS, alertByTag, isOpen } from "./node_sensors.js";
 import { openPhoto, placedPhotos } from "./photos.js";
 import { L } from "./vendor.js";
 import { NOTE_KINDS } from "./note_kinds.js";
-import { placeOf } from "./notes.js";
+import { placeOf } from "./note_place.js";
 import { statusOf } from "./victim_status.js";
 
 /** @import {Alert, Annotation, Robot, Victim} from "./types.js" */

@@ -59,6 +59,7 @@ export function MissionMenu({ store }) {
         event.currentTarget.closest("details").open = false;
         openGeoreference(store);
       }}>Place on the Earth…</button><${BaseMapLines} store=${store} />`}
+      <a href=${`/api/v1${missionPath(mission.mission_id)}/report.html`} target="_blank" rel="noopener">Report to hand over</a>
       <a href="/missions">All missions</a>
     </div></details>`;
 }

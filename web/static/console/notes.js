@@ -8,18 +8,9 @@ import { Photos } from "./photos.js";
 import { makeSector } from "./sectors.js";
 import { html } from "./vendor.js";
 
-/** @import {Annotation, Tag} from "./types.js" */
 /** @import {Store} from "./store.js" */
 /** @import {View} from "./canvas_layer.js" */
 /** @typedef {{kind: string, text: string, isArea: boolean, corners: [number, number][]}} Draft */
-
-/** Where a note stands: its point, its tag, or the middle of its area. @param {Annotation} note @param {Tag | undefined} tag */
-export function placeOf(note, tag) {
-  if (note.area_m.length) {
-    return [0, 1].map((axis) => note.area_m.reduce((sum, corner) => sum + corner[axis], 0) / note.area_m.length);
-  }
-  return [note.x_m ?? tag?.x_m, note.y_m ?? tag?.y_m];
-}
 
 /** @param {Store} store @param {Draft} draft @param {object} place */
 async function write(store, draft, place) {

@@ -3,7 +3,7 @@
 import { fetchChecked, missionPath, request } from "./api.js";
 import { timeOfDay } from "./format.js";
 import { newId } from "./note_kinds.js";
-import { placeOf } from "./notes.js";
+import { placeOf } from "./note_place.js";
 import { Component, html } from "./vendor.js";
 
 /** @import {Photo} from "./types.js" */

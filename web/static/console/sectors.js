@@ -2,12 +2,15 @@
 
 import { color } from "../theme.js";
 import { missionPath, request } from "./api.js";
+import { holds } from "./area.js";
 import { newId } from "./note_kinds.js";
 import { Periods } from "./periods.js";
 import { html } from "./vendor.js";
+import { WorksiteForm } from "./worksite.js";
 
-/** @import {Sector} from "./types.js" */
+/** @import {Sector, Worksite} from "./types.js" */
 /** @import {Store} from "./store.js" */
+/** @import {Draft} from "./notes.js" */
 /** @import {View} from "./canvas_layer.js" */
 
 /** Status -> its name, its sign and its colour. @type {Record<string, [string, string, string]>} */
@@ -60,7 +63,8 @@ function fitting({ status, robots, team }) {
 /** @param {Store} store @param {Sector} sector @param {Partial<Sector>} changes */
 function change(store, sector, changes) {
   const { name, area_m, robots, team, note, status } = { ...sector, ...changes };
-  const body = { name, area_m, robots, team, note, status: "status" in changes ? status : fitting({ ...sector, ...changes }) };
+  const body = { name, area_m, robots, team, note, status: "status" in changes ? status : fitting({ ...sector, ...changes }),
+    ...(changes.worksite ? { worksite: changes.worksite } : {}) };
   return tried(store, () => request("PUT", path(store, sector.sector_id), body));
 }
 
@@ -91,6 +95,7 @@ export function SectorPanel({ store }) {
   const panel = store.sectorPanel;
   if (panel === null) return null;
   const sector = panel.id === null ? undefined : store.sectors.get(panel.id);
+  if (store.draft?.kind === "sector") return html`<${Drawing} store=${store} draft=${store.draft} trouble=${panel.trouble} />`;
   return html`<section class="tag-card sectors" aria-label=${sector ? `Sector ${sector.name}` : "Sectors"}>
     <header><h3>${sector ? `Sector ${sector.name}` : "Sectors"}</h3>
       <button type="button" aria-label="Close the sectors" onClick=${() => close(store)}>×</button></header>
@@ -99,23 +104,37 @@ export function SectorPanel({ store }) {
       : html`<${Periods} store=${store} /><${SectorList} store=${store} />`}</section>`;
 }
 
+/** While corners are asked for: a strip that leaves the plan free. @param {{store: Store, draft: Draft, trouble: string}} props */
+function Drawing({ store, draft, trouble }) {
+  const leave = () => {
+    store.draft = null;
+    store.changed();
+  };
+  return html`<section class="sector-drawing" aria-label="Draw a sector">
+    ${trouble && html`<p class="warn" role="alert">${trouble}</p>`}
+    <p role="status">Click on its corners one after the other (${draft.corners.length} so far).</p>
+    <label><span>Name</span><input maxlength="60" placeholder=${nextName(store)} value=${draft.text}
+      onInput=${(/** @type {any} */ event) => (draft.text = event.currentTarget.value)} /></label>
+    <button type="button" disabled=${draft.corners.length < 3} onClick=${() => makeSector(store, draft.text, draft.corners)}>Close the sector</button>
+    <button type="button" disabled=${draft.corners.length === 0} onClick=${() => {
+      draft.corners.pop();
+      store.changed();
+    }}>Last corner off</button>
+    <button type="button" onClick=${leave}>Cancel</button></section>`;
+}
+
 /** @param {{store: Store}} props */
 function SectorList({ store }) {
   const sectors = [...store.sectors.values()].sort((a, b) => a.name.localeCompare(b.name, "en", { numeric: true }));
-  const draft = store.draft?.kind === "sector" ? store.draft : null;
   const draw = () => {
-    store.draft = draft ? null : { kind: "sector", text: "", isArea: true, corners: [] };
+    store.draft = { kind: "sector", text: "", isArea: true, corners: [] };
     store.picking = null;
     store.changed();
   };
   return html`${sectors.length === 0 && html`<p>No part of the ground is a sector yet. Draw one, then say who searches it.</p>`}
     <ul class="sector-list">${sectors.map((sector) => html`<li key=${sector.sector_id}><button type="button" onClick=${() => openSector(store, sector.sector_id)}>
       <b>${STATUSES[sector.status][1]} ${sector.name}</b><span>${STATUSES[sector.status][0]}${whoOf(sector) && `: ${whoOf(sector)}`}</span></button></li>`)}</ul>
-    ${!store.isOver && store.may("operator") && html`<button type="button" aria-pressed=${draft !== null} onClick=${draw}>Draw a sector…</button>`}
-    ${draft && html`<p role="status">Click on its corners one after the other (${draft.corners.length} so far).</p>
-      <label>Name<input maxlength="60" placeholder=${nextName(store)} value=${draft.text}
-        onInput=${(/** @type {any} */ event) => (draft.text = event.currentTarget.value)} /></label>
-      <button type="button" disabled=${draft.corners.length < 3} onClick=${() => makeSector(store, draft.text, draft.corners)}>Close the sector</button>`}`;
+    ${!store.isOver && store.may("operator") && html`<button type="button" onClick=${draw}>Draw a sector…</button>`}`;
 }
 
 /** @param {Sector} sector */
@@ -144,17 +163,16 @@ function SectorForm({ store, sector }) {
     ${text("team", "Team of people", 60)}${text("note", "Note", 2000)}${text("name", "Name", 60)}
     <div class="draft-kinds"><button type="button" disabled=${sector.robots.length === 0} onClick=${explore}
       title="Its robots drive there and look at what is unknown in it first">Send its robots there</button>
-      <button type="button" onClick=${remove}>Remove</button></div></fieldset>
+      <button type="button" onClick=${remove}>Remove</button></div>
+    <${WorksiteForm} key=${sector.sector_id} store=${store} sector=${sector}
+      onChange=${(/** @type {Worksite} */ worksite) => change(store, sector, { worksite })} /></fieldset>
     <button type="button" class="quiet" onClick=${() => openSector(store, null)}>All sectors</button>`;
 }
 
-/** The sector a point lies in (even-odd rule), the smallest where several do. @param {Store} store @param {number} x @param {number} y */
+/** The sector a point lies in, the smallest where several do. @param {Store} store @param {number} x @param {number} y */
 export function sectorAt(store, x, y) {
   if (!store.layers.sectors) return undefined;
-  return [...store.sectors.values()].filter(({ area_m }) => area_m.reduce((inside, [ax, ay], k) => {
-    const [bx, by] = area_m[(k + 1) % area_m.length];
-    return (ay > y) !== (by > y) && x < ax + ((y - ay) / (by - ay)) * (bx - ax) ? !inside : inside;
-  }, false)).sort((a, b) => a.size_m2 - b.size_m2)[0];
+  return [...store.sectors.values()].filter(({ area_m }) => holds(area_m, x, y)).sort((a, b) => a.size_m2 - b.size_m2)[0];
 }
 
 /**

@@ -9,7 +9,7 @@ import { isOpen } from "./node_sensors.js";
 import { LookMenu } from "./look_menu.js";
 import { ResumeButton } from "./robot_list.js";
 import { html } from "./vendor.js";
-import { standing } from "./victims.js";
+import { standing } from "./victim_list.js";
 
 /** @import {Store} from "./store.js" */
 /** @import {StopControl} from "./stop_control.js" */

@@ -4,7 +4,10 @@
  * @typedef {{mission_id: string, name: string, state: string, created_unix_s: number, clock_s?: number | null,
  *   stopped_all?: boolean, state_by?: string, state_unix_s?: number, ran_s?: number}} Mission
  * @typedef {{sector_id: string, name: string, area_m: [number, number][], size_m2: number, status: string, robots: string[],
- *   team: string, note: string, period: number | null, by: string, changed_unix_s: number}} Sector
+ *   team: string, note: string, period: number | null, by: string, changed_unix_s: number, worksite?: Worksite | null}} Sector
+ * @typedef {{worksite_id: string, hazards: string, triage: string | null, is_complete: boolean, visits: Visit[]}} Worksite
+ * @typedef {{team: string, level: number | null, entered_unix_s: number, left_unix_s: number | null, is_finished: boolean,
+ *   parts: string}} Visit
  * @typedef {{number: number, commander: string, objectives: string, begun_unix_s: number, ended_unix_s: number | null}} Period
  * @typedef {{photo_id: string, width: number, height: number, text: string, victim_id: string | null,
  *   annotation_id: string | null, tag_id: string | null, x_m: number | null, y_m: number | null, by: string,
@@ -32,7 +35,7 @@
  *   acknowledged_by: string, acknowledged_unix_s: number | null}} Alert
  * @typedef {{victim_id: string, x_m: number, y_m: number, covariance: number[], confidence: number, status: string,
  *   sightings: number, robots: string[], note: string, team: string, live: number | null, dead: number | null,
- *   start: Start, triage: string, place_m: [number, number] | null, merged_into: string | null, tag_id: string | null, by: string,
+ *   live_before?: number[], dead_before?: number[], start: Start, triage: string, place_m: [number, number] | null, merged_into: string | null, tag_id: string | null, by: string,
  *   changed_unix_s: number | null}} Victim
  * @typedef {{walks: boolean | null, breaths_per_min: number | null, breathes_after_airway: boolean | null,
  *   pulse: boolean | null, obeys: boolean | null}} Start

@@ -2,10 +2,11 @@
 
 import { missionPath, request } from "./api.js";
 import { timeOfDay } from "./format.js";
-import { Markings } from "./markings.js";
+import { markingWords, victimMarkings } from "./markings.js";
 import { Photos } from "./photos.js";
+import { Sprayed } from "./sprayed.js";
 import { Component, html } from "./vendor.js";
-import { say, standing } from "./victims.js";
+import { say, standing } from "./victim_list.js";
 
 /** @import {Start, Victim} from "./types.js" */
 /** @import {Store} from "./store.js" */
@@ -57,7 +58,7 @@ export function VictimCase({ victim, store }) {
       field("team", "Team", { maxlength: 60 })}</div>
     ${field("note", "Note", { maxlength: 2000 })}
     <${Photos} store=${store} of=${{ victim_id: victim.victim_id }} />
-    <${Markings} victim=${victim} />
+    <${Sprayed} markings=${victimMarkings(victim)} words=${markingWords(victim)} />
     <div class="case-row">
       <button type="button" aria-pressed=${isPicking} onClick=${move}>Move…</button>
       ${victim.place_m && html`<button type="button" onClick=${() => say(store, victim, { place_m: null })}>Where measured</button>`}

@@ -1,41 +1,16 @@
 /** The inbox of victims: who waits to be looked at, the surest first; one of them is open at a time. */
 
-import { missionPath, request } from "./api.js";
 import { fixed, percent } from "./format.js";
 import { html } from "./vendor.js";
 import { VictimCase } from "./victim_case.js";
+import { say, standing } from "./victim_list.js";
 import { statusOf, VICTIM_STATUSES } from "./victim_status.js";
 
 /** @import {Victim} from "./types.js" */
 /** @import {Store} from "./store.js" */
 
-/** Victims that still need somebody first. */
-const URGENCY = ["suspected", "confirmed", "reached", "extricated", "dismissed"];
 /** Keys that judge the selected victim, beside J and K for the next and the one before. @type {Record<string, string>} */
 const KEYS = { c: "confirmed", r: "reached", e: "extricated", x: "dismissed" };
-
-/** Victims that stand for themselves, unseen ones first, then by urgency, then by confidence. @param {Store} store */
-export function standing(store) {
-  return [...store.victims.values()].filter(({ merged_into }) => !merged_into).sort((a, b) =>
-    Number(a.by !== "") - Number(b.by !== "") || URGENCY.indexOf(a.status) - URGENCY.indexOf(b.status)
-    || b.confidence - a.confidence || a.victim_id.localeCompare(b.victim_id));
-}
-
-/**
- * Say something about a victim; what goes wrong is shown.
- * @param {Store} store
- * @param {Victim} victim
- * @param {Record<string, unknown>} words
- */
-export async function say(store, victim, words) {
-  const path = `${missionPath(store.missionId ?? "")}/victims/${encodeURIComponent(victim.victim_id)}`;
-  try {
-    await request("PATCH", path, words);
-  } catch (error) {
-    store.notify(`Victim ${victim.victim_id} was not changed. ${/** @type {Error} */ (error).message}`);
-  }
-  store.changed();
-}
 
 /**
  * J and K go through the inbox, C, R, E and X judge the one that is open.

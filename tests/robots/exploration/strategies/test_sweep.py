@@ -33,7 +33,7 @@ def view_at(grid: PlanGrid, x: float, y: float, trail: list[tuple[float, float]]
     return ExplorationView(
         Pose2(x, y),
         (),
-        SURVEY,
+        lambda: SURVEY,
         grid=grid,
         costs=travel_costs(grid, *grid.cell_of(x, y)),
         trail=np.array([(*point, 0.0, 0.0) for point in trail]),

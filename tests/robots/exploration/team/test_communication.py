@@ -34,7 +34,7 @@ def ground(value=-20):
 def team_of(listener, now_s):
     frontier = Frontier((0, 0), (1.0, 1.0), 1.0, 1.0)
     survey = Survey(np.ones((4, 4)), np.zeros((4, 4), np.uint8), (0.0, 0.0))
-    return listener.team(ExplorationView(Pose2(), (frontier,), survey, now_s=now_s), Nearest(), None)
+    return listener.team(ExplorationView(Pose2(), (frontier,), lambda: survey, now_s=now_s), Nearest(), None)
 
 
 def test_others_are_where_they_say_in_this_robots_own_map():
@@ -85,7 +85,7 @@ def test_it_says_why_it_leaves_the_nearest_edge_to_another():
     goals = Goals(told, here)
     near, far = Frontier((0, 0), (2.0, 0.0), 1.0, 2.0), Frontier((0, 0), (0.0, 9.0), 1.0, 9.0)
     survey = Survey(np.ones((4, 4)), np.zeros((4, 4), np.uint8), (0.0, 0.0))
-    view = ExplorationView(Pose2(), (near, far), survey)
+    view = ExplorationView(Pose2(), (near, far), lambda: survey)
     assert goals.choose(view).why == "the nearest edge of the unknown, 1.0 m wide"
     other = robot("r2", 1.0, 0.0, 0.0).say(0.0, Pose2(), (1.0, 0.0), ground(), 4.0)
     here.hear(0.0, True, (other,))

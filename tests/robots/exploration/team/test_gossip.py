@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from robots.config import MappingConfig
+from robots.config import BodyConfig, MappingConfig, PlanningConfig
 from robots.exploration.team.gossip import Gossip
 from robots.exploration.team.team_ground import FREE, OCCUPIED, UNKNOWN, TeamGround, tiles_of, unpacked
 from robots.exploration.team.team_message import (
@@ -21,6 +21,7 @@ from robots.exploration.team.team_message import (
     encode_message,
 )
 from robots.mapping.fused import FusedGrid
+from robots.planning.plan_grid import plan_grid
 from robots.se2 import Pose2
 
 ALL_FREE, ALL_OCCUPIED = bytes([0b01010101]) * TILE_BYTES, bytes([0b10101010]) * TILE_BYTES
@@ -158,6 +159,17 @@ def test_own_eyes_overrule_and_the_rest_is_as_the_more_have_seen_it():
     ground.take(Patch("c", 1, 2, (Tile(0, 0, 2, ALL_FREE),)))
     seen = ground.overlaid(drawn(own), 2, Pose2(), MappingConfig())
     assert (seen.cells[y0 : y0 + 20, x0 + 20 : x0 + 64] == -MappingConfig().miss_logodds).all()
+
+
+def test_a_wall_that_others_saw_stays_one_where_own_eyes_see_the_ground_beside_it():
+    """Half of a cell of the plan is seen from the side: the wall in its other half is no edge."""
+    ground, mapping = TeamGround(), MappingConfig()
+    ground.take(Patch("a", 0, 1, (Tile(0, 0, 1, ALL_OCCUPIED),)))
+    own = np.zeros((40, 40))
+    own[:, :9] = -20  # the tenth column is the other half
+    seen = ground.overlaid(drawn(own), 2, Pose2(), mapping)
+    grid = plan_grid(seen, BodyConfig(), PlanningConfig(), mapping, np.zeros((0, 3)))
+    assert grid.cells[grid.cell_of(0.425, 0.5)] == OCCUPIED
 
 
 @given(st.floats(-3.0, 3.0), st.floats(-3.0, 3.0), st.floats(-3.1, 3.1), st.integers(0, 2**32 - 1))

@@ -43,7 +43,7 @@ def drawn(survey) -> dict[tuple[float, float], int]:
 def test_a_window_is_drawn_round_its_tag_north_along_x():
     claims = Claims()
     claims.hear("A", window((2, 0, CLOSED), (0, 1, OPEN)))
-    survey = claims.survey(grid(), {"A": (1.5, 2.5)}.get)
+    survey = claims.survey(grid(), claims.tags({"A": (1.5, 2.5)}.get))
     assert drawn(survey) == {
         **{(3.0 + dx, 2.0 + dy): CLOSED for dx in (0.0, 0.5) for dy in (0.0, 0.5)},
         **{(1.0 + dx, 3.0 + dy): OPEN for dx in (0.0, 0.5) for dy in (0.0, 0.5)},
@@ -53,9 +53,9 @@ def test_a_window_is_drawn_round_its_tag_north_along_x():
 def test_it_moves_with_the_tag_and_waits_while_nobody_knows_where_that_is():
     claims = Claims()
     claims.hear("A", window((0, 0, CLOSED), side=1))
-    assert drawn(claims.survey(grid(), {}.get)) == {}
+    assert drawn(claims.survey(grid(), claims.tags({}.get))) == {}
     for x, y in ((0.5, 0.5), (4.5, -3.5), (9.9, 9.9), (30.0, 0.0), (-10.2, 0.5)):
-        places = drawn(claims.survey(grid(), {"A": (x, y)}.get))
+        places = drawn(claims.survey(grid(), claims.tags({"A": (x, y)}.get)))
         assert all(abs(px + 0.25 - x) <= 1.0 and abs(py + 0.25 - y) <= 1.0 for px, py in places)
         assert len(places) == {0.5: 4, 4.5: 4, 9.9: 1, 30.0: 0, -10.2: 2}[x]
 
@@ -65,7 +65,7 @@ def test_tags_add_up_and_read_again_they_say_no_less():
     claims.hear("A", window((0, 0, OPEN), (1, 0, CLOSED)))
     claims.hear("A", window((0, 0, CLOSED)))
     claims.hear("B", window((0, 0, CLOSED)))
-    survey = claims.survey(grid(), {"A": (0.5, 0.5), "B": (0.5, 0.5)}.get)
+    survey = claims.survey(grid(), claims.tags({"A": (0.5, 0.5), "B": (0.5, 0.5)}.get))
     assert set(drawn(survey).values()) == {CLOSED}
     assert len(drawn(survey)) == 8
     assert UNSEEN not in drawn(survey).values()
@@ -74,7 +74,7 @@ def test_tags_add_up_and_read_again_they_say_no_less():
 def test_shares_speak_of_unknown_ground_alone_and_all_is_unknown_beyond_the_map():
     claims = Claims()
     claims.hear("A", TagMemory(np.full((31, 31), CLOSED, np.uint8)))
-    survey = claims.survey(grid((-10.0, -10.0, 0.0, 10.0)), {"A": (0.25, 0.25)}.get)
+    survey = claims.survey(grid((-10.0, -10.0, 0.0, 10.0)), claims.tags({"A": (0.25, 0.25)}.get))
     points = np.array([(-5.0, 0.0), (5.0, 0.0), (0.0, 0.0), (100.0, 0.0)])
     untold, claimed = survey.shares(points, 3.0)
     np.testing.assert_allclose(untold, [0.0, 0.0, 0.0, 1.0], atol=1e-9)
@@ -87,7 +87,9 @@ def test_shares_add_up_to_what_is_unknown(point):
     claims = Claims()
     claims.hear("A", TagMemory(rng.integers(0, 3, (31, 31)).astype(np.uint8)))
     cells = rng.integers(0, 3, (200, 200)).astype(np.uint8)
-    survey = claims.survey(PlanGrid(cells, np.zeros_like(cells), ORIGIN, 0.1), {"A": (1.0, 1.0)}.get)
+    survey = claims.survey(
+        PlanGrid(cells, np.zeros_like(cells), ORIGIN, 0.1), claims.tags({"A": (1.0, 1.0)}.get)
+    )
     untold, claimed = survey.shares(np.array([point]), 3.0)
     row, column = (int((v + 10.0) // LATTICE_M) for v in point[::-1])
     around = [(r, c) for r in range(row - 6, row + 7) for c in range(column - 6, column + 7)]
@@ -100,7 +102,7 @@ def test_the_unknown_share_is_that_of_the_plan_cells_whose_centres_lie_there(cel
     rng = np.random.default_rng(1)
     cells = rng.choice([UNKNOWN, FREE], (37, 52)).astype(np.uint8)
     grid = PlanGrid(cells, np.zeros_like(cells), ORIGIN, cell_m)
-    unknown = Claims().survey(grid, lambda _: None).unknown
+    unknown = Claims().survey(grid, ()).unknown
     assert unknown.shape == (ceil(37 * cell_m / LATTICE_M - 1e-6), ceil(52 * cell_m / LATTICE_M - 1e-6))
     n = 200  # beyond the grid all is unknown
     beyond = np.full((n, n), UNKNOWN, np.uint8)
@@ -115,10 +117,10 @@ def test_the_unknown_share_is_that_of_the_plan_cells_whose_centres_lie_there(cel
 def test_what_lies_within_the_error_of_a_tags_place_is_doubtful():
     claims = Claims()
     claims.hear("A", TagMemory(np.full((5, 5), CLOSED, np.uint8)))
-    sure = claims.survey(grid(), {"A": (0.5, 0.5)}.get)
+    sure = claims.survey(grid(), claims.tags({"A": (0.5, 0.5)}.get))
     assert not sure.doubtful.any()
     claims.hear("A", TagMemory.empty(), 1.0, sd_m=0.3)  # read again where the robot knows less where it is
-    vague = claims.survey(grid(), {"A": (0.5, 0.5)}.get)
+    vague = claims.survey(grid(), claims.tags({"A": (0.5, 0.5)}.get))
     assert ((vague.claimed == CLOSED) | vague.doubtful == (sure.claimed == CLOSED)).all()
     assert (vague.claimed == CLOSED).sum() == 6 * 6
     assert (sure.claimed == CLOSED).sum() == 10 * 10
@@ -134,5 +136,5 @@ def test_where_others_went_is_told_and_not_where_this_robot_went():
         goal_mark("idle", 1, 0, 0, 0),
     )
     claims.hear("A", TagMemory(np.zeros((1, 1), np.uint8), passes=passes))
-    promised = claims.survey(grid(), {"A": (1.0, 1.0)}.get).promised
+    promised = claims.survey(grid(), claims.tags({"A": (1.0, 1.0)}.get)).promised
     np.testing.assert_allclose(promised, [(4.0, -1.0)])

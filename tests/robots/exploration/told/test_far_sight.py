@@ -39,7 +39,7 @@ def view(x: float, tags=(), now_s=0.0, free_to=100.0, y=0.0) -> ExplorationView:
     costs = travel_costs(grid, *grid.cell_of(x, y))
     settings = PlanningConfig(local_map_m=4.0)
     return ExplorationView(
-        Pose2(x, y, 0.0), (), NOTHING, now_s, grid, costs, tags=tuple(tags), settings=settings
+        Pose2(x, y, 0.0), (), lambda: NOTHING, now_s, grid, costs, tags=tuple(tags), settings=settings
     )
 
 

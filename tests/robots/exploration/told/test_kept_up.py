@@ -58,8 +58,8 @@ def test_claims_asked_after_every_word_say_what_they_say_asked_once(reads, sd_m)
         where[name] = place
         for claims in (asked, once):
             claims.hear(name, memory, 0.0, sd_m)
-        asked.survey(grid, where.get)
-    kept, anew = asked.survey(grid, where.get), once.survey(grid, where.get)
+        asked.survey(grid, asked.tags(where.get))
+    kept, anew = (claims.survey(grid, claims.tags(where.get)) for claims in (asked, once))
     for part in ("claimed", "doubtful", "shade", "unknown", "promised"):
         np.testing.assert_array_equal(getattr(kept, part), getattr(anew, part))
     for a, b in zip(asked.tags(where.get), once.tags(where.get), strict=True):

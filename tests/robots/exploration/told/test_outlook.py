@@ -28,7 +28,7 @@ def beyond(*told, grid=None) -> float:
         claims.hear(f"T{k}", TagMemory(cells))
         places[f"T{k}"] = (x, 0.0)
     grid = grid or corridor()
-    survey = claims.survey(grid, places.get)
+    survey = claims.survey(grid, claims.tags(places.get))
     return float(ways_beyond(grid, survey, np.array([[15, 98]]), FARTHEST_M)[0])
 
 
@@ -65,7 +65,7 @@ def test_better_ground_farther_on_counts_for_more_than_the_nearest():
     claims = Claims()
     claims.hear("A", TagMemory(covered(5, OPEN)))
     claims.hear("B", TagMemory(covered(5, OPEN)))
-    survey = claims.survey(corridor(), {"A": (12.5, 0.0), "B": (23.5, 0.0)}.get)
+    survey = claims.survey(corridor(), claims.tags({"A": (12.5, 0.0), "B": (23.5, 0.0)}.get))
     handicaps = np.zeros(survey.claimed.shape)
     ways = []
     for handicap_m in (0.0, 5.0, 20.0):

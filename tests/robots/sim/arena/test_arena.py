@@ -71,6 +71,24 @@ def test_one_map_for_all_spares_the_second_robot_the_first_ones_ways():
     assert len(together.field.tags) == 0
 
 
+def test_who_starts_when_the_others_have_gone_is_told_all_that_they_saw():
+    """One after another by messages, as good as on one map; nobody that saw it speaks any more."""
+    one_map = replace(SILENT, map="office:150", robots=3)
+    told = replace(
+        one_map,
+        agent_config=AgentConfig(
+            planning=PlanningConfig(explore="nearest", communication="full"),
+            deployment=DeploymentConfig(magazine=0),
+        ),
+    )
+    scores = {"told": 0.0, "one map": 0.0}
+    for seed in range(6):
+        on_one = ArenaConfig(replace(one_map, seed=seed), one_map=True, budget_m=10.0)
+        scores["one map"] += play(on_one).score
+        scores["told"] += play(ArenaConfig(replace(told, seed=seed), budget_m=10.0)).score
+    assert scores["told"] > 0.93 * scores["one map"]
+
+
 def test_robots_that_know_the_same_do_the_same_and_those_that_talk_do_not():
     """With a perfect laser, at one place: the hardest start."""
     team = replace(SILENT, laser=LaserConfig(sd_m=0.0))

@@ -1,0 +1,1 @@
+"""Markings of victims and worksites as they are sprayed: INSARAG and FEMA."""
