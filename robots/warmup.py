@@ -21,14 +21,15 @@ from robots.estimation.scans.points import scan_points
 from robots.estimation.tag_filter import RangeSighting
 from robots.estimation.tag_graph.graph import TagGraph, graph_problem
 from robots.estimation.tag_graph.smoothing import smooth_radio
+from robots.exploration.frontiers import Frontier
 from robots.exploration.strategies.sight import Sight
 from robots.exploration.strategies.three_grids import find_candidates, three_grids
+from robots.exploration.strategies.waymark import Waymark
 from robots.exploration.strategy import ExplorationView
 from robots.exploration.team.team_ground import TeamGround, tiles_of
 from robots.exploration.team.team_message import Patch, Tile
 from robots.exploration.told.claims import Claims, KnownTag
 from robots.exploration.told.far_sight import FarSight
-from robots.exploration.told.outlook import ways_beyond
 from robots.mapping.fused import FusedGrid
 from robots.planning.plan_grid import FREE, UNKNOWN, PlanGrid
 from robots.planning.travel import travel_costs
@@ -97,7 +98,9 @@ def _warm_up_strategies() -> None:
     claims = Claims()
     claims.hear("warm", TagMemory(np.full((3, 3), CLOSED, np.uint8)))
     tags = claims.tags({"warm": (3.0, 0.0)}.get)
-    ways_beyond(grid, claims.survey(grid, tags), np.array([[1, 30]]), 5.0)
+    survey, frontiers = claims.survey(grid, tags), (Frontier((1, 30), (3.0, 0.2), 1.0, 1.0),)
+    view = ExplorationView(Pose2(), frontiers, lambda: survey, grid=grid, trail=np.zeros((20, 4)))
+    Waymark().worths(view)
     _warm_up_small_maps(tags)
 
 

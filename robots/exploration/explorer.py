@@ -13,12 +13,12 @@ from robots.exploration.aim import Aim, Decision
 from robots.exploration.frontiers import Frontier
 from robots.exploration.goals import Choice, Goals
 from robots.exploration.ground import Ground
-from robots.exploration.last_looks import gaps
+from robots.exploration.last_looks import BEHIND_GLASS, gaps, unproved
 from robots.exploration.manners.errands import Errands
 from robots.exploration.manners.giving_way import GivingWay
 from robots.exploration.manners.homing import Homing
 from robots.exploration.manners.recovery import Blocked, Recovery, place_ahead
-from robots.exploration.manners.shut_ways import shut_off, squeezed
+from robots.exploration.manners.shut_ways import SHUT, shut_off, squeezed
 from robots.exploration.manners.suspects import Suspects
 from robots.exploration.strategy import ExplorationView, PlansLocally
 from robots.exploration.team.communication import Communication
@@ -63,6 +63,7 @@ class Explorer:
         self._aim: Aim | None = None
         self._planned_s: float | None = None
         self._grid: PlanGrid | None = None
+        self._map: FusedGrid | None = None
         self._blocked = Blocked()
         self._arrived_s: float | None = None
 
@@ -74,8 +75,7 @@ class Explorer:
     @property
     def local_map_m(self) -> float:
         """The side of the square round the robot that it plans on; 0 where it plans on the whole map."""
-        # asked at every step, where isinstance of a protocol is slow
-        own: float = getattr(self.goals.strategy, "local_map_m", 0.0)
+        own: float = getattr(self.goals.strategy, "local_map_m", 0.0)  # isinstance of a protocol is slow
         return self._config.planning.local_map_m or own
 
     def replan(self) -> None:
@@ -150,7 +150,7 @@ class Explorer:
         return Decision(linear, angular, aim.activity, aim.reason, aim.goal_m, path, tag)
 
     def _plan(self, now_s: float, pose: Pose2, fused: FusedGrid, place_of: PlaceOf) -> None:
-        self._planned_s = now_s
+        self._planned_s, self._map = now_s, fused
         if self._giving_way.goes_on(now_s):
             return
         grid = self.grids.of(fused, self._blocked.discs(now_s))
@@ -197,14 +197,16 @@ class Explorer:
             left = self.errands.near(goals.edges(ground, shortest_m, now_s))
             choice = choose(ground, (*left, *goals.untried(gaps(ground, shortest_m))))
         if choice is None:
+            doubted = () if self._map is None else unproved(ground, self._map, self.trail.points)
+            left, choice = (*left, *doubted), goals.look_at(doubted, now_s, BEHIND_GLASS)
+        if choice is None:
             shut = shut_off(ground, self.trail.points, shortest_m)
             left = (*left, *shut)
-            choice = None if self.homing.is_shut(ground) else goals.look_at_shut(shut, now_s)
+            choice = None if self.homing.is_shut(ground) else goals.look_at(shut, now_s, SHUT)
         path = None if choice is None else ground.path_to(choice.frontier.goal)
         if choice is not None and path is not None:
-            goals.goal_m = choice.frontier.goal_m
-            reason = f"driving {choice.frontier.cost_m:.0f} m to {choice.why}"
-            reason += self._suspects.known_to_others(now_s)
+            goals.goal_m, known = choice.frontier.goal_m, self._suspects.known_to_others(now_s)
+            reason = f"driving {choice.frontier.cost_m:.0f} m to {choice.why}{known}"
             return Aim("edge", "exploring", reason, goals.goal_m, path)
         return self._finish(ground, left, now_s)
 
@@ -252,8 +254,7 @@ class Explorer:
         if goal is None or hypot(goal[0] - pose.x, goal[1] - pose.y) > _ARRIVED_M:
             self._arrived_s = None
             return None
-        if self._arrived_s is None:
-            self._arrived_s = now_s
+        self._arrived_s = now_s if self._arrived_s is None else self._arrived_s
         if now_s - self._arrived_s > _LOOK_S:
             self._put_aside(goal, now_s)
         return turn

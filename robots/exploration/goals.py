@@ -140,10 +140,10 @@ class Goals:
         """Return those that were never put aside."""
         return tuple(f for f in frontiers if self._aside_at(f.goal_m) is None)
 
-    def look_at_shut(self, frontiers: Sequence[Frontier], now_s: float) -> Choice | None:
-        """Return the first place, of those that look at shut ways, that is not put aside."""
+    def look_at(self, frontiers: Sequence[Frontier], now_s: float, why: str) -> Choice | None:
+        """Return the first of some places to look at that is not put aside, and ``why`` it is gone to."""
         for frontier in self.worth_going(frontiers, now_s):
-            return Choice(frontier, "look whether the way beyond is open by now")
+            return Choice(frontier, why)
         return None
 
     def choose(self, view: ExplorationView) -> Choice | None:

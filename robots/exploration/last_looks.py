@@ -1,7 +1,8 @@
 """What is looked at before a robot says that nothing is left: gaps too short for edges of the unknown.
 
 A gap may be the noise of a map, a beam that missed a wall, or the only sight into a niche that nobody enters.
-It is worth a look from where more of the unknown can be seen through it than a map's noise hides.
+It is worth a look from where more of the unknown can be seen through it than a map's noise hides. And ground
+that only beams crossed that came back from nowhere: behind glass a map shows what nobody has seen.
 """
 
 from __future__ import annotations
@@ -11,14 +12,21 @@ from math import ceil, cos, floor, pi, sin
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
+from scipy import ndimage
 
 from robots.exploration.frontiers import Frontier, find_frontiers
 from robots.exploration.ground import Ground
+from robots.mapping.fused import FusedGrid
 from robots.planning.plan_grid import OCCUPIED, UNKNOWN
 from robots.planning.travel import UNREACHED
+from robots.se2 import Array
 
+BEHIND_GLASS = "see for myself what I may have seen behind glass alone"
 _REACH_M, _ROUND_M = 3.0, 1.5
 _WORTH_M2 = 0.5  # of the unknown in sight
+_FROM_TRAIL_M = 0.5
+_DOUBTED_M2 = 0.75, 15.0  # a room behind glass; halls are larger
+_NEAR_M = 0.6
 
 
 def gaps(ground: Ground, below_m: float) -> tuple[Frontier, ...]:
@@ -33,6 +41,35 @@ def gaps(ground: Ground, below_m: float) -> tuple[Frontier, ...]:
                 goal = row, column
                 found.append(Frontier(goal, grid.centre_of(*goal), gap.length_m, ground.cost_m(goal)))
     return tuple(sorted(found, key=lambda gap: (gap.cost_m, gap.goal)))
+
+
+def unproved(ground: Ground, fused: FusedGrid, trail: Array) -> tuple[Frontier, ...]:
+    """Return places in pieces of ground that only beams saw that met nothing, nearest first.
+
+    So do beams that meet glass, and what a map shows behind it was never seen. ``trail`` (k, 2 or more): x, y
+    in the map frame of where the robot was.
+    """
+    unsure = fused.unsure()
+    if unsure is None or not unsure.any():
+        return ()
+    cells = np.floor((trail[:, 1::-1] - fused.origin[::-1]) / fused.resolution_m).astype(int)
+    driven = np.ones(unsure.shape, np.bool_)
+    cells = cells[((cells >= 0) & (cells < unsure.shape)).all(axis=1)]
+    driven[cells[:, 0], cells[:, 1]] = False
+    unsure &= ndimage.distance_transform_edt(driven) * fused.resolution_m > _FROM_TRAIL_M
+    labels, count = ndimage.label(unsure)
+    found = []
+    for k, size in enumerate(np.bincount(labels.ravel(), minlength=count + 1)[1:], 1):
+        if not _DOUBTED_M2[0] <= size * fused.resolution_m**2 <= _DOUBTED_M2[1]:
+            continue
+        piece = np.argwhere(labels == k)
+        row, column = piece[((piece - piece.mean(axis=0)) ** 2).sum(axis=1).argmin()] + 0.5
+        x, y = fused.origin[0] + column * fused.resolution_m, fused.origin[1] + row * fused.resolution_m
+        cell = ground.nearest(x, y, _NEAR_M)
+        if cell is not None:
+            length_m = float(size) ** 0.5 * fused.resolution_m
+            found.append(Frontier(cell, ground.grid.centre_of(*cell), length_m, ground.cost_m(cell)))
+    return tuple(sorted(found, key=lambda piece: (piece.cost_m, piece.goal)))
 
 
 @njit(cache=True)

@@ -46,6 +46,10 @@ class FusedGrid:
         """Lower left corner (x, y) of cell (0, 0) in metres."""
         return self._column0 * self.resolution_m, self._row0 * self.resolution_m
 
+    def unsure(self) -> NDArray[np.bool_] | None:
+        """Return the free cells, (h, w), that no beam crossed that came back; None where it is not kept."""
+        return None
+
     def known(self) -> tuple[NDArray[np.int32], tuple[float, float]]:
         """Return the cells cut to those known, and the corner (x, y) in metres of the first of them.
 

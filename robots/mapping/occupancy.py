@@ -85,6 +85,40 @@ def cast_scan(
 
 
 @njit(cache=True)
+def mark_sure(
+    sure: NDArray[np.uint8],
+    origin_x: float,
+    origin_y: float,
+    resolution: float,
+    x: float,
+    y: float,
+    theta: float,
+    ranges: FloatArray32,
+    angle_min: float,
+    increment: float,
+    range_max: float,
+    limit: float,
+) -> None:
+    """Mark the cells crossed by beams of a scan, taken at (x, y, theta) in the grid's frame, that came back.
+
+    What only others crossed may be free, or lie behind glass.
+    """
+    rows, columns = sure.shape
+    for i in range(ranges.shape[0]):
+        r = float(ranges[i])
+        if not isfinite(r) or r >= range_max - 1e-3 or r <= 0.02:
+            continue
+        a = theta + angle_min + i * increment
+        steps = int(2.0 * min(r, limit) / resolution) + 1
+        dx, dy = min(r, limit) * cos(a) / steps, min(r, limit) * sin(a) / steps
+        for k in range(steps + 1):
+            c = floor((x + k * dx - origin_x) / resolution)
+            w = floor((y + k * dy - origin_y) / resolution)
+            if 0 <= w < rows and 0 <= c < columns:
+                sure[w, c] = 1
+
+
+@njit(cache=True)
 def stamp_disc(grid: LogOdds, row: int, column: int, radius_cells: int, value: int) -> None:
     """Set the cells of a disc to at least ``value``: an obstacle that was felt, not seen."""
     rows, columns = grid.shape

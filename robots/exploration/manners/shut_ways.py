@@ -19,6 +19,7 @@ from robots.planning.plan_grid import OCCUPIED, PlanGrid
 from robots.planning.travel import UNREACHED, find_path
 from robots.se2 import Array
 
+SHUT = "look whether the way beyond is open by now"
 _TIGHT = 15  # fifths of a cell: entering what is too near to obstacles
 _JUMP_M = 0.6
 _DRIVEN, _NARROW, _WALL = 20, 60, 250  # fifths of a cell: entering what cannot be driven on as it is

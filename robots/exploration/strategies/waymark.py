@@ -9,6 +9,7 @@ and a robot that has nothing better to do looks for itself.
 from __future__ import annotations
 
 import numpy as np
+from numba import njit
 
 from robots.exploration.frontiers import Frontier
 from robots.exploration.strategies.information_gain import SEEN_M, SQUARE_M2, WORTH_M
@@ -55,9 +56,9 @@ class Waymark:
             return f"make about {area_m2:.0f} m² of ground safe on the way"
         if isinstance(view.frontiers[index], FarFrontier):
             return "ground that was left open, along tags"
-        untold, claimed = view.survey.shares(goals_of(view)[index : index + 1], SEEN_M)
-        if claimed[0] <= untold[0]:
-            return f"see about {untold[0] * SQUARE_M2:.0f} m² {_of_whom(view)}{_elsewhere(view, index)}"
+        untold, claimed = (shares[index] for shares in view.survey.shares(goals_of(view), SEEN_M))
+        if claimed <= untold:
+            return f"see about {untold * SQUARE_M2:.0f} m² {_of_whom(view)}{_elsewhere(view, index)}"
         beyond = float(_beyond(view)[index])
         if beyond >= _FARTHEST_M:
             return "check ground that tags call covered: nothing else is left"
@@ -113,9 +114,19 @@ def _beyond(view: ExplorationView) -> Array:
 def _nearness(goals: Array, places: Array) -> Array:
     if len(places) == 0 or len(goals) == 0:
         return np.zeros(len(goals))
-    gaps = np.sqrt(((goals[:, None, :] - places[None, :, :]) ** 2).sum(axis=2).min(axis=1))
-    near: Array = np.maximum(0.0, 1.0 - gaps / _TAKEN_WITHIN_M)
+    near: Array = np.maximum(0.0, 1.0 - np.sqrt(_squared_gaps(goals, places)) / _TAKEN_WITHIN_M)
     return near
+
+
+@njit(cache=True)
+def _squared_gaps(goals: Array, places: Array) -> Array:
+    """Return the squared distance of each goal (n, 2) to the nearest place (m, 2), (n,)."""
+    gaps = np.full(len(goals), np.inf)
+    for k in range(len(goals)):
+        for m in range(len(places)):
+            dx, dy = goals[k, 0] - places[m, 0], goals[k, 1] - places[m, 1]
+            gaps[k] = min(gaps[k], dx * dx + dy * dy)
+    return gaps
 
 
 def _of_whom(view: ExplorationView) -> str:
@@ -127,8 +138,9 @@ def _elsewhere(view: ExplorationView, index: int) -> str:
     if index == 0 or not view.tags:
         return ""
     passed = view.frontiers[0].goal_m
-    _, claimed = view.survey.shares(np.array([passed]), SEEN_M)
-    taken = float((promised(view) + trodden(view))[0]) > float((promised(view) + trodden(view))[index])
+    _, claimed = view.survey.shares(goals_of(view), SEEN_M)
+    near_others = promised(view) + trodden(view)
+    taken = float(near_others[0]) > float(near_others[index])
     if claimed[0] < 0.25 and not taken:
         return ""
     said = "is covered" if claimed[0] >= 0.25 else "is taken"

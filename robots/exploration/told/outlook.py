@@ -60,34 +60,47 @@ def _kinds(cells: NDArray[np.uint8], claimed: NDArray[np.uint8], per_cell: float
 
 @njit(cache=True)
 def _flood(kinds: NDArray[np.uint8], handicaps: Array, per_cell: float, most: float) -> Array:
-    """Return the way from each cell to the best news, in cells, by sweeps until nothing changes.
+    """Return the way from each cell to the best news, in cells, by sweeps until one changes nothing.
 
     From known ground into news or told ground, through told ground to its rim, never from it into news.
     """
     rows, columns = kinds.shape
     ways = np.full((rows, columns), most)
+    begins = np.zeros(rows + 1, np.int64)  # of each row, among the cells whose way has to be found
+    sought = np.empty(rows * columns, np.int64)  # their columns
+    count = 0
     for r in range(rows):
         for c in range(columns):
             if kinds[r, c] == _NEWS or kinds[r, c] == _RIM:
                 ways[r, c] = min(most, handicaps[int((r + 0.5) * per_cell), int((c + 0.5) * per_cell)])
-    changed = True
+            if kinds[r, c] != _NEWS and kinds[r, c] != _WALL:
+                sought[count] = c
+                count += 1
+        begins[r + 1] = count
+    sweep, changed = 0, True
     while changed:
         changed = False
-        for sweep in range(4):
-            for i in range(rows):
-                r = i if sweep & 1 == 0 else rows - 1 - i
-                for j in range(columns):
-                    c = j if sweep & 2 == 0 else columns - 1 - j
-                    kind = kinds[r, c]
-                    if kind in (_NEWS, _WALL):
-                        continue
-                    best = ways[r, c]
-                    for v in range(max(0, r - 1), min(rows, r + 2)):
-                        for u in range(max(0, c - 1), min(columns, c + 2)):
-                            if kinds[v, u] == _WALL or (kind != _KNOWN and kinds[v, u] == _NEWS):
-                                continue
-                            best = min(best, ways[v, u] + (1.41 if v != r and u != c else 1.0))
-                    if best < ways[r, c] - 1e-9:
-                        ways[r, c] = best
-                        changed = True
+        for i in range(rows):
+            r = i if sweep & 1 == 0 else rows - 1 - i
+            first, end = begins[r], begins[r + 1]
+            for j in range(end - first):
+                c = sought[first + j] if sweep & 2 == 0 else sought[end - 1 - j]
+                best = _best_next(kinds, ways, r, c)
+                if best < ways[r, c] - 1e-9:
+                    ways[r, c] = best
+                    changed = True
+        sweep += 1
     return ways
+
+
+@njit(cache=True)
+def _best_next(kinds: NDArray[np.uint8], ways: Array, r: int, c: int) -> float:
+    """Return the best way from a cell by way of those next to it, or what it has."""
+    rows, columns = kinds.shape
+    best: float = ways[r, c]
+    for v in range(max(0, r - 1), min(rows, r + 2)):
+        for u in range(max(0, c - 1), min(columns, c + 2)):
+            if kinds[v, u] == _WALL or (kinds[r, c] != _KNOWN and kinds[v, u] == _NEWS):
+                continue
+            best = min(best, ways[v, u] + (1.41 if v != r and u != c else 1.0))
+    return best

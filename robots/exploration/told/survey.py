@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from math import sqrt
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from robots.se2 import Array
 from robots.tags.memory import CLOSED
@@ -44,21 +45,13 @@ class Survey:
         reach = round(within_m / LATTICE_M)
         told = self.claimed == CLOSED if self.shade is None else (self.claimed == CLOSED) | self.shade
         news = np.pad(np.where(told, 0.0, self.unknown), reach, constant_values=1.0)
-        rows, columns = np.indices(told.shape).reshape(2, -1) + reach
-        sums = _sums(news, np.column_stack([rows, columns]), reach)
-        shares: Array = sums.reshape(told.shape) / float((2 * reach + 1) ** 2)
+        sums = _square_sums(news, reach)
+        shares: Array = sums / float((2 * reach + 1) ** 2)
         return shares
 
     def nearness(self, places_m: Array, within_m: float) -> Array:
         """Return how near, 0 to 1, each cell is to one of some places (n, 2), (r, c)."""
-        away = np.ones(self.claimed.shape, bool)
-        at = self._cells(places_m)
-        at = at[((at >= 0) & (at < away.shape)).all(axis=1)]
-        if len(at) == 0:
-            return np.zeros(away.shape)
-        away[at[:, 0], at[:, 1]] = False
-        gaps = ndimage.distance_transform_edt(away) * LATTICE_M
-        near: Array = np.maximum(0.0, 1.0 - gaps / within_m)
+        near: Array = _nearness(self._cells(places_m), self.claimed.shape, within_m / LATTICE_M)
         return near
 
     def shares(self, points_m: Array, within_m: float) -> tuple[Array, Array]:
@@ -78,7 +71,8 @@ class Survey:
             _sums(part, self._cells(points_m), reach) for part in (~told * self.unknown, told * self.unknown)
         )
         size = float((2 * reach + 1) ** 2)
-        inside = _sums(np.ones_like(self.unknown), self._cells(points_m), reach)
+        low, high = (np.clip(self._cells(points_m) + side, 0, told.shape) for side in (-reach, reach + 1))
+        inside = (high - low).prod(axis=1)
         return (open_ + size - inside) / size, claimed / size
 
     def _cells(self, points_m: Array) -> NDArray[np.int64]:
@@ -86,16 +80,67 @@ class Survey:
         return found.astype(np.int64)
 
 
+@njit(cache=True)
+def _totals(values: Array) -> Array:
+    """Return the sums of all above and left of each corner, (r + 1, c + 1)."""
+    rows, columns = values.shape
+    total = np.zeros((rows + 1, columns + 1))
+    for r in range(rows):
+        for c in range(columns):
+            total[r + 1, c + 1] = total[r, c + 1] + values[r, c]
+    for r in range(rows):
+        for c in range(columns):
+            total[r + 1, c + 1] += total[r + 1, c]
+    return total
+
+
+@njit(cache=True)
 def _sums(values: Array, cells: NDArray[np.int64], reach: int) -> Array:
     """Return the sums over squares round cells (n, 2), cut off at the border."""
-    total = np.zeros((values.shape[0] + 1, values.shape[1] + 1))
-    total[1:, 1:] = values.cumsum(axis=0).cumsum(axis=1)
-    low = np.clip(cells - reach, 0, values.shape)
-    high = np.clip(cells + reach + 1, 0, values.shape)
-    sums: Array = (
-        total[high[:, 0], high[:, 1]]
-        - total[low[:, 0], high[:, 1]]
-        - total[high[:, 0], low[:, 1]]
-        + total[low[:, 0], low[:, 1]]
-    )
+    rows, columns = values.shape
+    total = _totals(values)
+    sums = np.empty(len(cells))
+    for k in range(len(cells)):
+        top, left = min(max(cells[k, 0] - reach, 0), rows), min(max(cells[k, 1] - reach, 0), columns)
+        bottom = min(max(cells[k, 0] + reach + 1, 0), rows)
+        right = min(max(cells[k, 1] + reach + 1, 0), columns)
+        sums[k] = total[bottom, right] - total[top, right] - total[bottom, left] + total[top, left]
     return sums
+
+
+@njit(cache=True)
+def _square_sums(values: Array, reach: int) -> Array:
+    """Return the sums over the squares round all cells at least ``reach`` from the border."""
+    total, side = _totals(values), 2 * reach + 1
+    rows, columns = values.shape[0] - 2 * reach, values.shape[1] - 2 * reach
+    sums = np.empty((rows, columns))
+    for r in range(rows):
+        for c in range(columns):
+            sums[r, c] = total[r + side, c + side] - total[r, c + side] - total[r + side, c] + total[r, c]
+    return sums
+
+
+@njit(cache=True)
+def _nearness(places: NDArray[np.int64], shape: tuple[int, int], within: float) -> Array:
+    """Return how near, 0 to 1, each cell is to one of the places (n, 2); 0 from so many cells on."""
+    rows, columns = shape
+    reach = int(within) + 1
+    far = rows + columns + reach
+    across = np.full((rows, columns), far, np.int64)  # to the nearest place in the same row
+    for k in range(len(places)):
+        r, c = places[k]
+        if 0 <= r < rows and 0 <= c < columns:
+            across[r, c] = 0
+    for r in range(rows):
+        for c in range(1, columns):
+            across[r, c] = min(across[r, c], across[r, c - 1] + 1)
+        for c in range(columns - 2, -1, -1):
+            across[r, c] = min(across[r, c], across[r, c + 1] + 1)
+    near = np.zeros((rows, columns))
+    for r in range(rows):
+        for c in range(columns):
+            squared = far * far
+            for v in range(max(0, r - reach), min(rows, r + reach + 1)):
+                squared = min(squared, (v - r) * (v - r) + across[v, c] * across[v, c])
+            near[r, c] = max(0.0, 1.0 - sqrt(float(squared)) / within)
+    return near

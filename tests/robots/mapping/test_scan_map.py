@@ -62,3 +62,20 @@ def test_all_that_changed_lies_in_the_rectangle_told():
         assert (changed < (bottom, right)).all()
     assert flat.changes.since(flat.changes.revision) == (0, 0, 0, 0)
     assert flat.changes.since(flat.changes.revision + 1) is None
+
+
+def test_it_is_sure_of_what_beams_crossed_that_came_back_alone():
+    wall = ScanMap(CONFIG, (-5.0, -5.0), (5.0, 5.0))
+    ranges = np.where(ANGLES < 0.0, 2.0, 4.0).astype(np.float32)  # nothing comes back from the left
+    for _ in range(3):
+        wall.add_scan(Pose2(), LaserScan(ranges, -2.0, float(ANGLES[1] - ANGLES[0]), 4.0))
+    free = wall.cells <= -CONFIG.miss_logodds
+    unsure = wall.unsure()
+    y = (np.argwhere(unsure)[:, 0] + 0.5) * 0.1 + wall.origin[1]
+    assert unsure.sum() > 500
+    assert (free & ~unsure).sum() > 100
+    assert (y > -0.1).mean() > 0.99  # beams that came back clip the corners of a few cells
+    larger = wall.covering(np.array([-9.0, -9.0]), np.array([9.0, 9.0]), 2)
+    assert larger.unsure().sum() == unsure.sum()
+    shared = wall.seen_from(1.0, 1.0)
+    assert (shared.unsure() == unsure).all()
