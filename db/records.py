@@ -11,7 +11,7 @@ AgentPlace = Literal["server", "onboard"]
 SilencePolicy = Literal["hold", "go_on", "return"]
 MissionState = Literal["draft", "running", "paused", "closed", "archived"]
 TagState = Literal["sound", "moved", "cloned", "doubtful"]
-AnnotationKind = Literal["note", "hazard", "searched", "victim"]
+AnnotationKind = Literal["note", "hazard", "searched", "victim", "exit"]
 Severity = Literal["info", "warning", "alarm"]
 AlertKind = Literal[
     "hot", "tilted", "pressure",  # of nodes

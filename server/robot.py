@@ -130,6 +130,11 @@ class Robot:
         )
 
     @property
+    def is_unanswered(self) -> bool:
+        """Whether its agent has not answered to the newest observations, yet or at all."""
+        return self.thought is not None and (not self.thought.done() or self.thought_failed)
+
+    @property
     def held(self) -> bool:
         """Whether it has to stand still: by STOP, or because its mission is paused."""
         return self.stopped or self.paused

@@ -42,7 +42,7 @@ class Settings(BaseSettings):
     snapshot_every_s: float = Field(
         30.0, gt=0, description="Seconds between snapshots of an agent that works."
     )
-    late_after_s: float = Field(3.0, gt=0, description="Silence after which a robot counts as late.")
+    late_after_s: float = Field(2.5, gt=0, description="Silence after which a robot counts as late.")
     lost_after_s: float = Field(10.0, gt=0, description="Silence after which a robot counts as lost.")
     stop_reply_s: float = Field(0.5, gt=0, description="Longest wait for the agent of a stopped robot.")
     reply_s: float = Field(8.0, gt=0, description="Longest wait of a request for the agent's answer.")

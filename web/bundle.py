@@ -14,6 +14,7 @@ from web.lean import lean_file
 
 _STYLE = re.compile(rb'[ \t]*<link rel="stylesheet" href="(/static/[^"]+)">\n')
 _SCRIPT = re.compile(rb'[ \t]*<script type="module"[^>]* src="(/static/[^"]+)"></script>\n')
+_EARLY = re.compile(rb'[ \t]*<script src="(/static/[^"]+)"></script>\n')
 _ENDS = re.compile(
     rb"</(?:script|style)|<!--", re.IGNORECASE
 )  # what a script or style within a page may not hold
@@ -23,7 +24,7 @@ _ENDS = re.compile(
 class Bundle:
     """A page with what it needs first within it; ``later``: address -> bytes, changes with what is behind it.
 
-    ``hashes`` are those of its style and script, as a content security policy names them.
+    ``hashes`` are those of its style and scripts, as a content security policy names them.
     """
 
     page: bytes
@@ -59,6 +60,8 @@ class Sources:
 def bundle(folder: str, sources: Sources) -> Bundle:
     """Return the page of a folder under /static with its styles and its scripts' first half within it.
 
+    Scripts that are no modules stay where the page has them: they run before it is read to its end.
+
     Raises:
         CombineError: its scripts cannot be combined, or not be put into a page.
     """
@@ -69,7 +72,8 @@ def bundle(folder: str, sources: Sources) -> Bundle:
     later = scripts.later.encode()
     address = f"/app/{hashlib.sha256(later).hexdigest()[:16]}/{folder}.later.js"
     first = scripts.first(address).encode()
-    for part in (style, first):
+    early = [sources.read(address.decode()) for address in _EARLY.findall(page)]
+    for part in (style, first, *early):
         if found := _ENDS.search(part):
             raise CombineError(
                 f"A style or script of /{folder} holds {found.group().decode()}: write it in two parts."
@@ -77,7 +81,9 @@ def bundle(folder: str, sources: Sources) -> Bundle:
     page = _in_one(_STYLE, page, b"  <style>%s</style>\n" % style)
     # nothing is painted before the script has run: the first paint is then its first answer
     page = _in_one(_SCRIPT, page, b'  <script type="module" blocking="render">%s</script>\n' % first)
-    hashes = {"style-src": _hash(style), "script-src": _hash(first)}
+    whole = iter(early)
+    page = _EARLY.sub(lambda _: b"  <script>%s</script>\n" % next(whole), page)
+    hashes = {"style-src": _hash(style), "script-src": " ".join(map(_hash, (*early, first)))}
     return Bundle(page, hashes, {address: later} if later else {})
 
 

@@ -96,7 +96,9 @@ def run(context: Any, home: str, sequences: int, seed: int, page: str = "/phone"
     """
     rng = random.Random(seed)
     tally = Tally()
-    link = Link(rng, tally.faults)
+    link = Link(
+        random.Random(seed + 1), tally.faults
+    )  # how many requests there are must not change what is done
     _call(home, "POST", "/missions", {"name": "Field", "mission_id": MISSION, "tag_key": ""})
     context.route("**/reports/*", link)
     for sequence in range(sequences):

@@ -17,6 +17,7 @@ from server.mission.alerts import Alerts
 from server.mission.annotations import Annotations
 from server.mission.chip_notes import ChipNotes
 from server.mission.evacuation import Evacuation
+from server.mission.touches import too_far
 from server.mission.victims import Victims
 from server.schemas.reports import ReportIn
 from server.sharing import beside
@@ -147,7 +148,12 @@ class Reports:
 
     async def _take_at(self, record: ReportRecord, said: ReportIn) -> str:
         self._show_place(record)
-        return "It was noted."
+        text = too_far(self._board, record.by, said)
+        if text is None:
+            return "It was noted."
+        subject = f"{said.tag_id} twice"
+        await self._alerts.raise_("tag", subject, text, "warning", event="tag_twice", tag_id=said.tag_id)
+        return text
 
     def _show_place(self, record: ReportRecord) -> None:
         key = f"responder/{record.by}"

@@ -23,9 +23,9 @@ _MAY: dict[ReportKind, tuple[str, ...]] = {
     "victim": ("text", "live", "dead", "start"),
     "mayday": ("text", "tag_id"),
     "heard": (),
-    "at": (),
+    "at": ("from_tag", "after_s"),
 }
-_WHAT = ("note", "text", "tag_id", "live", "dead", "start", "since_unix_s")
+_WHAT = ("note", "text", "tag_id", "live", "dead", "start", "since_unix_s", "from_tag", "after_s")
 _CLOCKS = {"phone_unix_s": 1790000000.0, "offset_s": 3.5, "sent_phone_unix_s": 1790000060.0}
 
 
@@ -67,12 +67,20 @@ class ReportIn(Wire):
     start: StartWire | None = Field(None, description="What was found by START.")
     since_unix_s: Seconds | None = Field(None, description="`since_unix_s` of the order that was heard.")
 
+    from_tag: Name | None = Field(
+        None,
+        description="A tag that this phone read so shortly before that both cannot be where the map says.",
+    )
+    after_s: Annotated[float | None, Field(ge=0, le=3600, description="How long before, s.")] = None
+
     @model_validator(mode="after")
     def _fits_its_kind(self) -> Self:
         needed, also = _NEEDS[self.kind], _MAY[self.kind]
         missing = [name for name in needed if getattr(self, name) is None]
         if missing:
             raise ValueError(f"a report of the kind {self.kind} needs {' and '.join(missing)}")
+        if (self.from_tag is None) != (self.after_s is None):
+            raise ValueError("from_tag and after_s go together")
         other = [name for name in _WHAT if name in self.model_fields_set and name not in (*needed, *also)]
         other = [name for name in other if getattr(self, name) not in (None, "")]
         if other:

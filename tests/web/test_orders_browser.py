@@ -36,7 +36,13 @@ class Waiting:
         scan = {**ranges, "angle_min_rad": -2.0, "angle_increment_rad": 0.045}
         still = {"kind": "displacement", "dx_m": 0.0, "dy_m": 0.0, "dtheta_rad": 0.0}
         for _ in range(times):
-            observation = {"seq": self.seq, "stamp_s": 0.2 * self.seq, "odometry": still, "scan": scan}
+            observation = {
+                "seq": self.seq,
+                "stamp_s": 0.2 * self.seq,
+                "odometry": still,
+                "scan": scan,
+                "tags_left": 0,
+            }
             self.seq += 1
             reply = self.client.post([observation])
         return reply
@@ -79,6 +85,29 @@ def test_a_robot_is_ordered_about(
         expect(state).to_contain_text("Go to: waiting to be heard", timeout=SOON_MS)
         assert robot.speak(6)["command"] != {"linear_mps": 0.0, "angular_radps": 0.0}
         expect(state).to_contain_text(re.compile("Go to: (under way|done)"), timeout=SOON_MS)
+
+        card.get_by_role("button", name="Return").click()
+        expect(state).to_contain_text("Return: waiting to be heard", timeout=SOON_MS)
+        robot.speak(2)
+        expect(state).to_contain_text(re.compile("Return: (under way|done)"), timeout=SOON_MS)
+        card.get_by_role("button", name="Resume").click()
+        expect(state).to_contain_text("Resume exploring: waiting to be heard", timeout=SOON_MS)
+        robot.speak(2)
+        expect(state).to_contain_text("Resume exploring: done, exploring", timeout=SOON_MS)
+        card.get_by_role("button", name="Explore here").click()
+        page.mouse.click(box["x"] + 0.5 * box["width"], box["y"] + 0.62 * box["height"])
+        expect(state).to_contain_text("Explore here: waiting to be heard", timeout=SOON_MS)
+        robot.speak(2)
+        expect(state).to_contain_text(re.compile("Explore here: (under way|done)"), timeout=SOON_MS)
+
+        # what cannot be done says why, and still does to whoever opens the page anew
+        card.get_by_role("button", name="Drop tag").click()
+        robot.speak(2)
+        failed = "Drop a tag: failed, the magazine is empty."
+        expect(state).to_contain_text(failed, timeout=SOON_MS)
+        page.reload()
+        card.locator(".card-body").click(timeout=SOON_MS)
+        expect(state).to_contain_text(failed, timeout=SOON_MS)
         assert errors == []
     finally:
         page.close()

@@ -81,6 +81,36 @@ def test_a_responder_is_led_from_a_tag_to_the_victim_and_leaves_word(field: Fiel
             api.delete(f"/annotations/{note['annotation_id']}")
 
 
+def test_the_way_out_leads_to_an_exit_and_a_number_to_its_tag(
+    field: Field, context: BrowserContext, page: Page
+) -> None:
+    here = field.links[0][0]
+    there = httpx.get(f"{field.home}/api/v1/where/{here}").json()["neighbours"][0]["tag_id"]
+    page.goto(f"{field.home}/t/{there}")
+    expect(page.get_by_text("No exit is marked yet.")).to_be_visible(timeout=SOON_MS)
+    context.set_offline(True)  # whoever marks one has it at once
+    page.get_by_role("button", name="Leave word here").click()
+    page.get_by_role("button", name="Exit").click()
+    expect(page.get_by_role("button", name="The way out here")).to_be_visible(timeout=SOON_MS)
+    context.set_offline(False)
+    exit_ = wait_for_annotation(field, "")
+    assert (exit_["kind"], exit_["tag_id"]) == ("exit", there)
+    with field.api as api:
+        while not api.get("/pocket").json()["notes"]:  # it is packed once a second at most
+            time.sleep(0.1)
+    page.goto(f"{field.home}/t/{here}")
+    page.get_by_role("button", name=re.compile(r"The way out \d+ m")).click(timeout=SOON_MS)
+    guide = page.locator(".go")
+    guide.get_by_role("link", name=f"I am at {there}").click(timeout=SOON_MS)
+    expect(page.get_by_role("heading", level=1)).to_have_text(f"Tag {there}")
+    guide.get_by_role("button", name="Done").click(timeout=SOON_MS)
+    page.get_by_label("The number on the tag").fill(here)
+    page.get_by_role("button", name="Lead me to this tag").click()
+    expect(guide.get_by_role("link", name=f"I am at {here}")).to_be_visible(timeout=SOON_MS)
+    with field.api as api:
+        api.delete(f"/annotations/{exit_['annotation_id']}")
+
+
 def test_a_tag_that_nobody_knows_is_named(field: Field, page: Page) -> None:
     page.goto(f"{field.home}/t/nowhere")
     expect(page.get_by_role("alert")).to_contain_text("No mission here knows a tag nowhere.", timeout=SOON_MS)

@@ -15,7 +15,7 @@ from web.viser.shapes import dashed, outline
 
 _ABOVE_FLOOR_M = 0.07
 _LONGEST = 40  # letters of a label: more covers what is behind it
-_NOTE_COLORS = {"hazard": "warn", "note": "note", "searched": "cleared", "victim": "danger"}
+_NOTE_COLORS = {"hazard": "warn", "note": "note", "searched": "cleared", "victim": "danger", "exit": "good"}
 # as on the plan (static/console/sectors.js)
 _SECTOR_LOOKS = {
     "unassigned": ("○", "text-soft"),

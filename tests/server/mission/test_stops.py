@@ -100,11 +100,17 @@ def test_a_stopped_robot_is_told_at_once_while_its_agent_is_stuck(line, drive, w
         assert stopped(reply)
         assert (reply["accepted"], reply["next_seq"]) == (4, 48)
         assert time.monotonic() - began < 1.0
+        board = line.control.missions.get(line.mission_id).board
+        sent_unix_s = time.time()
+        line.send(drive.wires[12])
+        wait_until(
+            lambda: board.get("robot/r1")["heard_unix_s"] >= sent_unix_s
+        )  # it is heard: the STOP stands
     finally:
         os.kill(pid, signal.SIGCONT)
     line.call("POST", "/resume", {"robots": None})
-    reply = line.send(drive.wires[12])
-    assert {name: reply[name] for name in ("pose", "command")} == drive.expected(12)
+    reply = line.send(drive.wires[13])
+    assert {name: reply[name] for name in ("pose", "command")} == drive.expected(13)
 
 
 def test_a_stopped_robot_is_told_at_once_while_its_agent_is_killed(line, drive):

@@ -5,6 +5,7 @@ export const NOTE_KINDS = {
   hazard: { label: "Hazard", glyph: "!", color: "warn" },
   note: { label: "Note", glyph: "i", color: "note" },
   searched: { label: "Searched", glyph: "✓", color: "cleared" },
+  exit: { label: "Exit", glyph: "⇥", color: "good" },
   victim: { label: "Victim", glyph: "+", color: "danger" },
 };
 

@@ -8,7 +8,7 @@ import { Past } from "./past.js";
 
 const PREFERENCES = "waymark.console";
 const ROLES = ["viewer", "responder", "operator", "commander"];
-const LATE_AFTER_S = 3;
+const LATE_AFTER_S = 2.5;
 const LOST_AFTER_S = 10;
 
 /** Layers of the plan: name on screen and whether shown at first. */

@@ -1,28 +1,33 @@
 /** What the phone keeps over reloads: missions, reports that wait, and small facts, in IndexedDB. */
 
-const STORES = { pockets: "mission_id", outbox: "id", facts: "name" };
+import "./early.js";
 
-/** @typedef {keyof typeof STORES} StoreName */
+/** @typedef {"pockets" | "outbox" | "facts"} StoreName */
 
-/** @type {Promise<IDBDatabase> | null} */
-let opening = null;
+const early = /** @type {{kept$: import("./types.js").Early}} */ (/** @type {unknown} */ (globalThis)).kept$;
+let opening = watched(early.first);
 
-/** @returns {Promise<IDBDatabase>} */
+/** Missions as they were when the page began to be read. @returns {Promise<any[]>} */
+export const firstPockets = () => early.pockets;
+
+/** @param {Promise<IDBDatabase>} coming */
+function watched(coming) {
+  /** @type {Promise<IDBDatabase> | null} */
+  let mine = coming;
+  coming.then((database) => {
+    database.onversionchange = () => database.close();
+    database.onclose = () => (mine = null);
+  }, () => (mine = null));
+  return () => mine;
+}
+
+/** @returns {Promise<IDBDatabase>} opened anew where the browser has closed it or could not open it */
 function open() {
-  opening ??= new Promise((resolve, reject) => {
-    const asked = indexedDB.open("waymark", 1);
-    asked.onupgradeneeded = () => {
-      for (const [name, keyPath] of Object.entries(STORES)) asked.result.createObjectStore(name, { keyPath });
-    };
-    asked.onerror = () => reject(asked.error);
-    asked.onsuccess = () => {
-      asked.result.onversionchange = () => asked.result.close();
-      asked.result.onclose = () => (opening = null);
-      resolve(asked.result);
-    };
-  });
-  opening.catch(() => (opening = null));
-  return opening;
+  const there = opening();
+  if (there) return there;
+  const anew = early.open();
+  opening = watched(anew);
+  return anew;
 }
 
 /**

@@ -6,7 +6,7 @@ import { read } from "./reach.js";
 import { understood } from "./short_id.js";
 import { changed, state } from "./state.js";
 import { say } from "./texts.js";
-import { touch } from "./touch.js";
+import { lead, touch } from "./touch.js";
 
 /**
  * A tag's link, as a chip or a label has it.
@@ -23,11 +23,15 @@ export function tagOfLink(text) {
   }
 }
 
-/** Go to the tag of a link. A link of another server is asked about: its tag may be a namesake. @param {string} text */
-export async function followLink(text) {
+/**
+ * Go to the tag of a link. A link of another server is asked about: its tag may be a namesake.
+ * @param {string} text
+ * @param {number | null} [read_s] when the phone read it off the tag, by its clock
+ */
+export async function followLink(text, read_s = null) {
   const link = tagOfLink(text);
   if (link === null) return false;
-  if (link.host === location.host) await touch(link.tagId);
+  if (link.host === location.host) await touch(link.tagId, null, false, null, read_s);
   else ask({ foreign: link });
   return true;
 }
@@ -49,9 +53,17 @@ export async function goToTyped(typed) {
   else ask({ trouble: say(trouble === "unknown" ? "number_unknown" : "number_mistyped", { typed }) });
 }
 
+/** Be led to the tag of this mission whose number somebody typed. @param {string} typed */
+export function leadToTyped(typed) {
+  const { tagIds, trouble } = understood(typed, (state.pocket?.tags ?? []).map(({ tag_id }) => tag_id));
+  if (tagIds.length === 1) lead(`tag:${tagIds[0]}`);
+  else if (tagIds.length > 1) ask({ trouble: say("number_of_several", { tags: tagIds.join(", ") }) });
+  else ask({ trouble: say(trouble === "unknown" ? "number_unknown" : "number_mistyped", { typed }) });
+}
+
 /** @param {string} text what a QR code says */
 export async function goToScanned(text) {
   if (takeCode(text)) return; // reports of another phone, of which there is more to come
   state.scanning = false;
-  if (!(await followLink(text))) ask({ trouble: say("not_a_tag", { text: text.slice(0, 60) }) });
+  if (!(await followLink(text, Date.now() / 1000))) ask({ trouble: say("not_a_tag", { text: text.slice(0, 60) }) });
 }

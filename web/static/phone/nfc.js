@@ -64,7 +64,7 @@ async function take(records) {
     await write(tag.tagId, address, payload, records.length);
     return;
   }
-  if (tag.tagId !== state.tagId) await followLink(address);
+  if (tag.tagId !== state.tagId) await followLink(address, Date.now() / 1000);
   if (!payload) return;
   chipRead(tag.tagId, payload);
   if (state.where?.tag_id === tag.tagId) await carryOn(tag.tagId, payload).catch(() => undefined); // damaged: the page says so

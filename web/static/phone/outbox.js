@@ -14,7 +14,7 @@ const LOOK_EVERY_MS = 60_000;
 const PHOTO_MS = 120_000; // of 300 kB over a bad link
 const REFUSALS = [404, 409, 413, 415, 422];
 /** @type {Record<string, number>} */
-const URGENCY = { mayday: 0, heard: 1, victim: 2, hazard: 3, note: 4, searched: 4, photo: 5, at: 6 };
+const URGENCY = { mayday: 0, heard: 1, victim: 2, hazard: 3, note: 4, searched: 4, exit: 4, photo: 5, at: 6 };
 
 /** @type {Map<string, Report>} */
 const reports = new Map();
@@ -63,8 +63,10 @@ export async function add(kind, missionId, body) {
   /** @type {Report} */
   const report = { id: newId(), n, mission_id: missionId, kind, body, made_by: reach.me?.name ?? "", phone_unix_s: Date.now() / 1000,
     offset_s: reach.offset_s, tries: 0, due_ms: 0, refused: "", is_kept: true };
-  if (kind === "at") { // only the last place counts
-    for (const old of reports.values()) if (old.kind === "at" && old.mission_id === missionId && old.made_by === report.made_by) await forget(old.id);
+  if (kind === "at") { // only the last place counts, and what cannot be
+    for (const old of reports.values()) {
+      if (old.kind === "at" && !old.body.from_tag && old.mission_id === missionId && old.made_by === report.made_by) await forget(old.id);
+    }
   }
   reports.set(report.id, report);
   await keep(report);

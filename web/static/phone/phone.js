@@ -1,13 +1,13 @@
 /** The responder's phone at a tag: where am I, who is near, the way there tag by tag. What else the page has comes once the answer stands. */
 
-import { opened } from "./pockets.js"; // first: reading what is kept takes its time, and what follows goes on meanwhile
 import { html, render } from "../console/vendor.js";
 import { Guide } from "./guide.js";
+import { opened } from "./pockets.js";
 import { changed, onChange, state } from "./state.js";
 import { language, say } from "./texts.js";
 import { toldOf } from "./told.js";
 import { answer, lead, target, touch } from "./touch.js";
-import { metres } from "./words.js";
+import { metres, rounded } from "./words.js";
 
 /** @typedef {import("./texts.js").Key} Key */
 
@@ -19,6 +19,7 @@ let rest = null;
 function Page() {
   const { where } = state;
   const trouble = html`${state.trouble && html`<p class="trouble" role="alert">${state.trouble}</p>`}${rest && html`<${rest.Doubt} />`}
+    ${state.odd && html`<p class="trouble" role="alert">${say("too_far", { ...state.odd, far: metres(state.odd.far_m), after: rounded(state.odd.after_s) })}</p>`}
     ${state.said && html`<p role="status">${state.said}</p>`}`;
   if (!where) return html`<h1>${say("which_tag")}</h1>${trouble}${rest && html`<${rest.WhichTag} />`}`;
   const goal = target();
@@ -77,6 +78,13 @@ async function theRest() {
   }
 }
 
+/** When a touch has opened this page, by the phone's clock; null where it was loaded again or gone back to. */
+function openedByTag() {
+  const [how] = /** @type {PerformanceNavigationTiming[]} */ (performance.getEntriesByType("navigation"));
+  // timeOrigin itself is of a clock that stands still while the phone sleeps
+  return how?.type === "navigate" ? (Date.now() - performance.now()) / 1000 : null;
+}
+
 document.documentElement.lang = language();
 const [tagId, mission] = here();
 const told = toldOf(tagId);
@@ -84,12 +92,12 @@ if (!told) await opened;
 onChange(draw);
 place("page").textContent = "";
 if (!tagId) answer();
-touch(tagId, mission, true, told);
+touch(tagId, mission, true, told, openedByTag());
 addEventListener("popstate", () => touch(...here(), true));
 await painted();
 rest = await theRest();
 rest.start();
 // an installed page that is open takes the tag that was touched, without loading anything
 /** @type {any} */ (globalThis).launchQueue?.setConsumer((/** @type {{targetURL?: string}} */ { targetURL }) => {
-  if (targetURL && targetURL !== location.href) touch(...here(new URL(targetURL)));
+  if (targetURL && targetURL !== location.href) touch(...here(new URL(targetURL)), false, null, Date.now() / 1000);
 });

@@ -1,6 +1,6 @@
 /** The missions on this phone: which one a tag belongs to, and getting the newest of each while the server is in reach. */
 
-import { all, drop, put } from "./kept.js";
+import { drop, firstPockets, put } from "./kept.js";
 import { ask, missionPath, now_s, read } from "./reach.js";
 
 /** @import {Pocket} from "./types.js" */
@@ -15,8 +15,8 @@ const kept = new Map();
 let parsed = null;
 export const pockets = { isFull: false };
 
-/** What the phone has, asked for before anything else. A storage that cannot be read is an empty one. */
-export const opened = all("pockets").catch(() => []).then((items) => {
+/** What the phone has. A storage that cannot be read is an empty one. */
+export const opened = firstPockets().catch(() => []).then((items) => {
   for (const item of items) kept.set(item.mission_id, item);
 });
 

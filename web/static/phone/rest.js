@@ -16,6 +16,7 @@ import { Standing } from "./standing.js";
 import { changed, state } from "./state.js";
 import { language, LANGUAGES, say, speak } from "./texts.js";
 import { answer, keepFresh } from "./touch.js";
+import { WayOut } from "./way_out.js";
 import { metres } from "./words.js";
 
 export { Alarm, Doubt, Mayday, Standing };
@@ -29,7 +30,7 @@ export function WhichTag() {
 
 /** Below the answer. @param {{mission: string}} props its name */
 export function AtTag({ mission }) {
-  return html`${state.pocket && html`<${Between} /><${Nodes} /><${PlanView} />`}
+  return html`<${WayOut} />${state.pocket && html`<${Between} /><${Nodes} /><${PlanView} />`}
     <${MemoryView} />
     <${Word} />
     <h2>${say("at_another_tag")}</h2><${Entry} />

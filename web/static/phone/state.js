@@ -20,6 +20,7 @@ export const state = {
   /** Where the phone is by the nodes it hears. @type {(import("./locating.js").Located & {text: string}) | null} */ fix: null,
   called: false,
   scanning: false,
+  /** Why the tag that was read cannot be where the map has it. @type {import("./pace.js").TooFar | null} */ odd: null,
   /** What was left last, as it stands in a chip. @type {{tagId: string, text: string} | null} */ word: null,
   /** A tag's link of another server that was touched or scanned. @type {{tagId: string, host: string} | null} */ foreign: null,
   /** Tags that a typed number may mean. @type {string[]} */ choices: [],

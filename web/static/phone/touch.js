@@ -2,6 +2,7 @@
 
 import { begin } from "./between.js";
 import { add, onOutbox, waiting } from "./outbox.js";
+import { judged } from "./pace.js";
 import { keptOf, missionOf, missions, open, opened, refresh, refreshAll } from "./pockets.js";
 import { reach, read, remember } from "./reach.js";
 import { Roads } from "./roads.js";
@@ -14,6 +15,7 @@ import { routeTo, whereIs } from "./where.js";
 const FRESH_MS = 15_000;
 const TARGET = "waymark.target"; // where this phone is being led
 const LAST = "waymark.last";
+const SEEN = "waymark.seen"; // the tags that this phone really read, and when
 
 /** @param {string} name @returns {any} */
 function remembered(name) {
@@ -49,27 +51,38 @@ export function lead(to) {
  * @param {string | null} [mission] the one it is of, where the link says so
  * @param {boolean} [isBack] the page's own history led here
  * @param {import("./told.js").Told | null} [told] what the server has said of it already
+ * @param {number | null} [read_s] when the phone read the tag itself, by its clock; null where somebody chose it on the page
  */
-export async function touch(tagId, mission = null, isBack = false, told = null) {
+export async function touch(tagId, mission = null, isBack = false, told = null, read_s = null) {
   const known = remembered(LAST);
   const before = known && known.tag !== tagId ? known.tag : known?.before ?? "";
   const address = tagId ? `/t/${encodeURIComponent(tagId)}${mission ? `?mission=${encodeURIComponent(mission)}` : ""}` : "/phone";
   if (!isBack && location.pathname + location.search !== address) history.pushState(null, "", address);
   wanted = mission;
-  Object.assign(state, { tagId, before, where: null, route: null, said: "", trouble: "", form: "", scanning: false, foreign: null, choices: [] });
+  Object.assign(state, { tagId, before, where: null, route: null, said: "", trouble: "", form: "", scanning: false, foreign: null, choices: [], odd: null });
   if (!tagId) return changed();
   remember(LAST, { tag: tagId, before });
   answer();
   if (!state.where && told) Object.assign(state, { where: told.where, as_of_s: told.as_of_s });
+  if (read_s !== null) judge(read_s);
   begin();
   changed();
   if (!state.where) await askServer();
   else if (reach.inReach !== false) await renew();
   const mission_id = missionId();
   if (state.tagId !== tagId || !state.where) return;
-  add("at", mission_id, { tag_id: tagId });
+  add("at", mission_id, { tag_id: tagId, ...(state.odd ? { from_tag: state.odd.before, after_s: state.odd.after_s } : {}) });
   const { askMemory } = await import("./memory_view.js");
   askMemory(mission_id, tagId);
+}
+
+/** See whether the phone can have come here from where it was. @param {number} read_s */
+function judge(read_s) {
+  const { mission_id } = state.where ?? {};
+  if (!mission_id) return;
+  const { odd, seen } = judged(remembered(SEEN) ?? [], { mission: mission_id, tag: state.tagId, phone_s: read_s, offset_s: reach.offset_s });
+  state.odd = odd;
+  remember(SEEN, seen);
 }
 
 /** @type {string | null} */
@@ -100,8 +113,8 @@ let own = "";
 /** Names of the notes that the server does not have yet: with another set, roads are others. @param {Pocket} pocket */
 const ownNotes = (pocket) => waiting().filter(({ kind, mission_id }) => kind === "note" && mission_id === pocket.mission_id).map(({ id }) => id).join();
 
-/** @param {Pocket} pocket @returns {PocketNote[]} */
-function notesWith(pocket) {
+/** Notes with those that the server does not have yet. @param {Pocket} pocket @returns {PocketNote[]} */
+export function notesWith(pocket) {
   const places = new Map(pocket.tags.map(({ tag_id, x_m, y_m }) => [tag_id, { x_m, y_m }]));
   const known = new Set(pocket.notes.map(({ annotation_id }) => annotation_id));
   const mine = waiting().filter(({ id, kind, mission_id }) => kind === "note" && mission_id === pocket.mission_id && !known.has(id));
