@@ -176,6 +176,6 @@ def test_without_webgl_and_without_scripts_the_page_says_so(home: str, page: Pag
     page.goto(home)
     page.get_by_role("button", name="3D", exact=True).click()
     expect(page.get_by_text("No 3D in this browser")).to_be_visible(timeout=SOON_MS)
-    page.route("**/console/store.js", lambda route: route.abort())
+    page.route("**/vendor/leaflet/leaflet.js", lambda route: route.abort())
     page.reload()
     expect(page.get_by_text("Loading the console")).to_be_visible()
