@@ -18,7 +18,7 @@ from robots.sim.scenario import ScenarioConfig
 
 TEAMS: Mapping[str, Sequence[int]] = {"tags": (1, 5, 20, 50), "full": (1, 5, 20)}
 _SECONDS = 40.0
-_GROUPS = 8  # of each size that is smaller than the largest
+_TIMED = 12  # robots at most, of the largest team
 _SETTLED_S = 20.0  # the first decisions are about next to nothing
 
 
@@ -41,33 +41,39 @@ class _Timed(Scout):
 def measure(teams: Mapping[str, Sequence[int]] = TEAMS, seconds: float = _SECONDS) -> dict[str, Any]:
     """Return the median cost in ms of processor time, by communication and number of robots.
 
-    With tags only, robots of the largest team also explore in smaller ones, each from where it starts in the
-    large one: what differs is the company. Teams take turns.
+    With tags only, the very same robots of the largest team are timed in all sizes, each from where it starts
+    in the large one: what differs is the company. Teams take turns.
     """
     found: dict[str, Any] = {}
     for communication, sizes in teams.items():
         spent_ms: dict[int, list[float]] = {robots: [] for robots in sizes}
-        whole = max(sizes) if communication == "tags" else 0  # who talks is one of a fixed team
-        turns = [(first, n) for n in sizes for first in _firsts(n, whole or n)]
-        for first, robots in sorted(turns):
-            _play(communication, whole or robots, slice(first, first + robots), seconds, spent_ms[robots])
+        if communication == "tags":
+            timed = _timed(sizes)
+            turns = sorted({(k // n * n, n) for k in timed for n in sizes})
+            for first, n in turns:
+                _play(communication, max(sizes), range(first, first + n), timed, seconds, spent_ms[n])
+        else:  # who talks is one of a fixed team
+            for n in sizes:
+                _play(communication, n, range(n), range(n), seconds, spent_ms[n])
         found |= {f"{communication}_{robots}_robots_ms": _median(spent_ms[robots]) for robots in sizes}
     tags = [found[f"tags_{robots}_robots_ms"] for robots in teams["tags"]]
     return {**found, "tags_largest_by_smallest": max(tags) / min(tags)}
 
 
-def _firsts(robots: int, whole: int) -> Sequence[int]:
-    """Return where teams of so many begin in the list of all robots, spread over it."""
-    firsts = range(0, whole - robots + 1, robots)
-    return firsts[:: max(1, len(firsts) // _GROUPS)]
+def _timed(sizes: Sequence[int]) -> range:
+    """Return which robots to time: some, spread over those that are in a whole team of every size."""
+    most = max(sizes)
+    return range(0, min(most // n * n for n in sizes), max(1, most // _TIMED))
 
 
 def _median(spent_ms: Sequence[float]) -> float:
     return float(np.median(spent_ms))
 
 
-def _play(communication: str, robots: int, who: slice, seconds: float, spent_ms: list[float]) -> None:
-    """Let some robots of a team explore without the others, and note what their decisions cost."""
+def _play(
+    communication: str, robots: int, who: range, timed: range, seconds: float, spent_ms: list[float]
+) -> None:
+    """Let some robots of a team explore without the others, and note what decisions of the timed cost."""
     planning = override(PlanningConfig(coordinate="hungarian"), {"communication": communication})
     scenario = ScenarioConfig(
         map="office:1240",
@@ -79,7 +85,7 @@ def _play(communication: str, robots: int, who: slice, seconds: float, spent_ms:
         agent_config=AgentConfig(planning=planning),
     )
     arena = Arena(ArenaConfig(scenario, "at once", limit_s=seconds), ground_of(scenario))
-    arena.robots = arena.robots[who]
-    for robot in arena.robots:
+    for robot in (arena.robots[k] for k in timed if k in who):
         robot.scout = _Timed(robot.robot_id, robot.scout.config, spent_ms)
+    arena.robots = arena.robots[who.start : who.stop]
     arena.play()

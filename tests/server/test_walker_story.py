@@ -7,6 +7,7 @@ the phone shows: an arrow, a sentence and the next tag.
 from __future__ import annotations
 
 import time
+from dataclasses import replace
 from math import hypot
 from threading import Event
 
@@ -18,6 +19,7 @@ from robots.overrides import override
 from robots.routes.planner import RouteMap
 from robots.routes.ways import Way
 from robots.routes.words import OF_PLAN, bearing_deg, leg_text, metres
+from robots.sim.hearing import Device
 from robots.sim.live import play
 from robots.sim.responder import Responder
 from robots.sim.scenario import ScenarioConfig
@@ -122,3 +124,35 @@ def test_the_commander_sees_at_which_tag_a_simulated_responder_is(control, explo
     assert person["tag_id"] == tags[0]
     assert "BASE" in tags
     assert time.time() - person["unix_s"] < 60.0
+
+
+def test_a_responder_hears_nodes_in_a_live_mission_and_is_told_where_they_are(control, wait_until):
+    """The mission runs; somebody walks in it, and the server says by the nodes they hear where they are."""
+    simulations = []
+    url, scenario = f"http://127.0.0.1:{control.port}", replace(SCENARIO, tags="node", minutes=1.0)
+    play(scenario, url, "nodes", speed=0.0, progress=simulations.append)
+    simulation, line, stop = simulations[0], control.line("nodes"), Event()
+    assert line.get()["state"] == "running"
+    device = Device(simulation.world, simulation.tags, simulation.config.radio, 3)
+    found = line.get("/tags")
+    places = {tag["tag_id"]: np.array([tag["x_m"], tag["y_m"]]) for tag in found["tags"]}
+    off_m = []
+    for a, b in found["links"]:  # half way between two tags, as they truly lie and on the map
+        one, other = (simulation.tags.named(name) for name in (a, b))
+        heard = device.heard_at((one.x_m + other.x_m) / 2, (one.y_m + other.y_m) / 2)
+        readings = [{"node_id": node, "rssi_dbm": rssi} for node, rssi in heard]
+        said = line.call("POST", "/where", {"heard": readings}).json()
+        assert said["text"]
+        here = (places[a] + places[b]) / 2
+        gaps = [float(np.hypot(*(here - (place["x_m"], place["y_m"])))) for place in said["places"]]
+        off_m.append(min(gaps))
+    assert len(off_m) >= 3
+    assert np.median(off_m) < 3.0, off_m
+    responder = Responder(simulation, url, "nodes", "Kim", 60.0, stop)
+    responder.start()
+    try:
+        wait_until(lambda: responder.reached, 60.0)
+    finally:
+        stop.set()
+        responder.join()
+    assert responder.reached <= {victim["victim_id"] for victim in line.get("/victims")["victims"]}
