@@ -13,7 +13,7 @@ from typing import Any
 
 Shape = Mapping[str, Any]
 
-EM = 0.62  # how wide a bold letter is, as a part of its size
+EM = 0.68  # how wide a bold letter is, as a part of its size
 _MONTHS = ("JAN", "FEB", "MAR", "APR", "MAY", "JUN", "JUL", "AUG", "SEP", "OCT", "NOV", "DEC")
 
 

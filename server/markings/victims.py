@@ -63,21 +63,21 @@ def _insarag(victim: Value) -> Marking:
         if counts:
             columns.append(counts)
     shapes: list[Shape] = [stroke("M26 8 50 60 74 8", 9)]
-    for x, column in zip((50,) if len(columns) == 1 else (26, 74), columns, strict=False):
+    for x, column in zip((50,) if len(columns) == 1 else (24, 76), columns, strict=False):
         shapes += _column(column, x, 92 if len(columns) == 1 else 44)
     rows = max(map(len, columns), default=0)
     return Marking(
-        "INSARAG 2020, 2027", victim_words(victim), 100, max(100, 72 + _LINE * rows), tuple(shapes)
+        "INSARAG 2020, 2027", victim_words(victim), 100, max(100, 82 + _LINE * rows), tuple(shapes)
     )
 
 
 def _column(counts: Sequence[tuple[str, bool]], x: int, room: int) -> list[Shape]:
     shapes = []
     for k, (text, is_crossed) in enumerate(counts):
-        y, size = 82 + _LINE * k, size_that_fits(text, 19, room)
+        y, size = 94 + _LINE * k, size_that_fits(text, 19, room)
         shapes.append(letters(text, x, y, size))
         if is_crossed:
-            half = floor(EM * size * len(text) / 2) + 2
+            half = floor(EM * size * len(text) / 2)
             shapes.append(stroke(f"M{x - half} {y - floor(size / 3)}H{x + half}", 4))
     return shapes
 

@@ -225,7 +225,7 @@ def test_a_phone_sees_stop_and_one_panel_at_a_time(browser: Browser, client: htt
         assert stop is not None
         assert stop["x"] + stop["width"] <= 360
         assert page.evaluate("document.documentElement.scrollWidth") <= 360
-        page.get_by_role("button", name="Events").tap()
+        page.locator("#tabs").get_by_role("button", name="Alerts").tap()
         expect(page.locator("#events")).to_be_visible()
         expect(page.locator("#robots")).to_be_hidden()
     finally:

@@ -78,7 +78,7 @@ def test_a_hot_node_is_seen_opened_and_acknowledged(
 
         hearing.hear(85.0, times=2)
         if width < 900:
-            page.get_by_role("button", name="Events").tap()
+            page.locator("#tabs").get_by_role("button", name="Alerts").tap()
         card = page.locator(".alert-card[data-alert='hot:N7']")
         expect(card).to_contain_text("It is hot at node N7: 85 °C.", timeout=SOON_MS)
         expect(page.locator("#alarm-announcer")).to_contain_text("hot at node N7")

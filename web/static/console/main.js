@@ -103,7 +103,7 @@ function setView(view) {
   store.keepPreferences();
 }
 
-const TABS = [["robots", "Robots"], ["victims", "Victims"], ["events", "Events"]];
+const TABS = [["robots", "Robots"], ["victims", "Victims"], ["events", "Alerts"]];
 
 function Tabs() {
   return TABS.map(([tab, label]) => html`<button type="button" aria-pressed=${store.tab === tab} onClick=${() => {

@@ -46,18 +46,18 @@ function insarag(victim) {
     ...before(victim, name).map((count) => ({ text: `${letter}-${count}`, isCrossed: true })),
     ...(victim[name] ? [{ text: `${letter}-${victim[name]}`, isCrossed: false }] : []),
   ]).filter((column) => column.length);
-  const [places, room] = columns.length === 1 ? [[50], 92] : [[26, 74], 44];
+  const [places, room] = columns.length === 1 ? [[50], 92] : [[24, 76], 44];
   const rows = Math.max(0, ...columns.map((column) => column.length));
-  return { name: "INSARAG 2020, 2027", words: markingWords(victim), width: 100, height: Math.max(100, 72 + LINE * rows),
+  return { name: "INSARAG 2020, 2027", words: markingWords(victim), width: 100, height: Math.max(100, 82 + LINE * rows),
     shapes: [stroke("M26 8 50 60 74 8", 9), ...columns.flatMap((column, k) => columnAt(column, places[k], room))] };
 }
 
 /** @param {{text: string, isCrossed: boolean}[]} column @param {number} x @param {number} room @returns {Shape[]} */
 function columnAt(column, x, room) {
   return column.flatMap(({ text, isCrossed }, k) => {
-    const y = 82 + LINE * k;
+    const y = 94 + LINE * k;
     const size = sizeThatFits(text, 19, room);
-    const half = Math.floor((EM * size * lengthOf(text)) / 2) + 2;
+    const half = Math.floor((EM * size * lengthOf(text)) / 2);
     return [letters(text, x, y, size), ...(isCrossed ? [stroke(`M${x - half} ${y - Math.floor(size / 3)}H${x + half}`, 4)] : [])];
   });
 }

@@ -7,7 +7,7 @@ import { html } from "./vendor.js";
 /** @typedef {{name: string, words: string, width: number, height: number, shapes: Shape[]}} Marking */
 
 const PAINT = "var(--marking)";
-export const EM = 0.62; // how wide a bold letter is, as a part of its size
+export const EM = 0.68; // how wide a bold letter is, as a part of its size
 const MONTHS = ["JAN", "FEB", "MAR", "APR", "MAY", "JUN", "JUL", "AUG", "SEP", "OCT", "NOV", "DEC"];
 
 /** @param {string} path @param {number} width @returns {Shape} */
