@@ -14,7 +14,7 @@ PYTHON ?= $(shell for name in python3 python3.13 python3.12 python3.11 python3.1
 KERNELS := $(shell grep -rlE '@(numba\.)?n?jit' robots --include='*.py' 2>/dev/null)
 
 .DEFAULT_GOAL := help
-.PHONY: help setup run test lint format bench lock clean
+.PHONY: help setup run test lint format bench pictures lock clean
 
 help:  ## Print this list.
 	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "make %-8s %s\n", $$1, $$2 }' Makefile
@@ -42,6 +42,9 @@ bench: setup  ## Measure what BENCHMARKS.md reports.
 	@if [ -f $(DATA)/intel_raw_2726.npz ]; then \
 		$(BIN)/waymark replay intel $(DATA)/intel_raw_2726.npz --virtual-tags 2 --relations $(DATA)/intel.relations; \
 	else echo "The Intel recording is not in $(DATA): its figures are left out."; fi
+
+pictures: setup  ## Take the pictures in docs anew, of a live mission; needs Chromium.
+	@$(BIN)/python -m server.benchmarks.pictures docs
 
 lock:  ## Pin every dependency again, with hashes; needs uv and npm.
 	uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --no-emit-index-url \

@@ -14,7 +14,7 @@ from contextlib import contextmanager
 from typing import Any
 
 _FLAGS = ["--no-sandbox", "--disable-background-networking", "--disable-component-update", "--no-first-run"]
-_STARTS_S = 120.0
+_STARTS_S = 600.0
 OWN_MODULE = """(async (address) => globalThis.modules$?.[address] ?? import(address))"""
 """Script: a function that finds a module by its address, where a page has combined ones the page's own."""
 
@@ -45,8 +45,8 @@ def server_process(data: str | None = None) -> Iterator[str]:
 
 
 @contextmanager
-def chromium() -> Iterator[Any]:
-    """Open a headless Chromium (Playwright's ``Browser``).
+def chromium(*flags: str) -> Iterator[Any]:
+    """Open a headless Chromium (Playwright's ``Browser``), with further flags.
 
     Raises:
         CannotMeasureError: there is no Chromium here, or no Playwright.
@@ -59,7 +59,7 @@ def chromium() -> Iterator[Any]:
     if path is None:
         raise CannotMeasureError("this needs a Chromium: install one (Debian: apt install chromium)")
     with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=path, args=_FLAGS)
+        browser = playwright.chromium.launch(executable_path=path, args=[*_FLAGS, *flags])
         try:
             yield browser
         finally:
