@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 from fastapi import FastAPI
-from playwright.sync_api import Browser, expect
+from playwright.sync_api import Browser, Page, expect
 
 from robots.client import RobotClient
 from server.app import create_app
@@ -48,6 +48,14 @@ class Waiting:
         return reply
 
 
+def _pick_a_place(page: Page) -> None:
+    plan = page.locator("#plan")
+    expect(plan).to_have_class(re.compile("picking"))
+    box = plan.bounding_box()
+    assert box is not None
+    page.mouse.click(box["x"] + 0.5 * box["width"], box["y"] + 0.62 * box["height"])
+
+
 @pytest.mark.parametrize("viewport", [(1366, 768), (390, 844)], ids=["desk", "phone"])
 def test_a_robot_is_ordered_about(
     browser: Browser, serve: Callable[[FastAPI], str], tmp_path: Path, viewport: tuple[int, int]
@@ -78,10 +86,7 @@ def test_a_robot_is_ordered_about(
         expect(state).to_contain_text("Explore by nearest: done", timeout=SOON_MS)
 
         card.get_by_role("button", name="Go to").click()
-        expect(page.locator("#plan")).to_have_class(re.compile("picking"))
-        box = page.locator("#plan").bounding_box()
-        assert box is not None
-        page.mouse.click(box["x"] + 0.5 * box["width"], box["y"] + 0.62 * box["height"])
+        _pick_a_place(page)
         expect(state).to_contain_text("Go to: waiting to be heard", timeout=SOON_MS)
         assert robot.speak(6)["command"] != {"linear_mps": 0.0, "angular_radps": 0.0}
         expect(state).to_contain_text(re.compile("Go to: (under way|done)"), timeout=SOON_MS)
@@ -95,7 +100,7 @@ def test_a_robot_is_ordered_about(
         robot.speak(2)
         expect(state).to_contain_text("Resume exploring: done, exploring", timeout=SOON_MS)
         card.get_by_role("button", name="Explore here").click()
-        page.mouse.click(box["x"] + 0.5 * box["width"], box["y"] + 0.62 * box["height"])
+        _pick_a_place(page)
         expect(state).to_contain_text("Explore here: waiting to be heard", timeout=SOON_MS)
         robot.speak(2)
         expect(state).to_contain_text(re.compile("Explore here: (under way|done)"), timeout=SOON_MS)
