@@ -3,7 +3,7 @@
 import { html, render } from "../console/vendor.js";
 import { Guide } from "./guide.js";
 import { opened } from "./pockets.js";
-import { changed, onChange, painted, state } from "./state.js";
+import { changed, onChange, state } from "./state.js";
 import { language, say } from "./texts.js";
 import { toldOf } from "./told.js";
 import { answer, lead, target, touch } from "./touch.js";
@@ -56,6 +56,12 @@ function here(address = new URL(location.href)) {
   const [, first, tag] = address.pathname.split("/");
   return /** @type {const} */ ([first === "t" ? decodeURIComponent(tag ?? "") : "", address.searchParams.get("mission")]);
 }
+
+/** Until the browser has painted, or would have: a page in the background paints nothing. */
+const painted = () => new Promise((resolve) => {
+  requestAnimationFrame(() => setTimeout(resolve));
+  setTimeout(resolve, 300);
+});
 
 /** @returns {Promise<typeof import("./rest.js")>} once it is here, however long the server is out of reach */
 async function theRest() {

@@ -40,11 +40,5 @@ export function changed(change = {}) {
   for (const draw of drawers) draw();
 }
 
-/** Until the browser has painted, or would have: a page in the background paints nothing. */
-export const painted = () => new Promise((resolve) => {
-  requestAnimationFrame(() => setTimeout(resolve));
-  setTimeout(resolve, 300);
-});
-
 /** The mission this phone is in: that of the tag read last. */
 export const missionId = () => state.where?.mission_id ?? state.pocket?.mission_id ?? "";

@@ -6,7 +6,7 @@ import { judged } from "./pace.js";
 import { keptOf, missionOf, missions, open, opened, refresh, refreshAll } from "./pockets.js";
 import { reach, read, remember } from "./reach.js";
 import { Roads } from "./roads.js";
-import { changed, missionId, painted, state } from "./state.js";
+import { changed, missionId, state } from "./state.js";
 import { language, say } from "./texts.js";
 import { routeTo, whereIs } from "./where.js";
 
@@ -64,10 +64,9 @@ export async function touch(tagId, mission = null, isBack = false, told = null, 
   remember(LAST, { tag: tagId, before });
   answer();
   if (!state.where && told) Object.assign(state, { where: told.where, as_of_s: told.as_of_s });
+  if (read_s !== null) judge(read_s);
   begin();
   changed();
-  if (state.where) await painted();
-  if (read_s !== null && state.tagId === tagId) judge(read_s);
   if (!state.where) await askServer();
   else if (reach.inReach !== false) await renew();
   const mission_id = missionId();
@@ -82,8 +81,8 @@ function judge(read_s) {
   const { mission_id } = state.where ?? {};
   if (!mission_id) return;
   const { odd, seen } = judged(remembered(SEEN) ?? [], { mission: mission_id, tag: state.tagId, phone_s: read_s, offset_s: reach.offset_s });
+  state.odd = odd;
   remember(SEEN, seen);
-  if (odd) changed({ odd });
 }
 
 /** @type {string | null} */
