@@ -116,3 +116,27 @@ def test_a_commander_invites_gives_a_robot_its_token_and_shuts_out(
     expect(page.get_by_text("change account: Ben <b>")).to_be_visible()
     page.get_by_label("Role of Ada").select_option("viewer")
     expect(page.get_by_role("alert")).to_contain_text("Nobody would be left who is a commander")
+
+
+def test_who_watches_a_mission_is_seen_and_what_one_does_is_there_for_the_other(
+    link: str, page: Page, browser: Browser
+) -> None:
+    join(page, link, "Ada")
+    home = link.split("/join")[0]
+    origin = {"Origin": home}
+    made = page.request.post(f"{home}/api/v1/links", data={"role": "operator"}, headers=origin).json()
+    mission = {"name": "Drill", "mission_id": "drill"}
+    assert page.request.post(f"{home}/api/v1/missions", data=mission, headers=origin).ok
+    page.goto(f"{home}/console?mission=drill")
+    page.get_by_label("Logged in as Ada").click()
+    expect(page.get_by_text("Nobody else is watching this mission.")).to_be_visible()
+
+    other = browser.new_context().new_page()
+    join(other, home + made["path"], "Ben <b>")
+    other.goto(f"{home}/console?mission=drill")
+    expect(page.get_by_text("Also watching: Ben <b>.")).to_be_visible()
+    mayday = f"{home}/api/v1/missions/drill/alerts/mayday"
+    assert other.request.post(mayday, data={"text": "hurt"}, headers=origin).ok
+    expect(page.locator(".alert-card").first).to_contain_text("MAYDAY from Ben <b>")
+    other.close()
+    expect(page.get_by_text("Nobody else is watching this mission.")).to_be_visible()

@@ -52,6 +52,7 @@ def test_reports_go_from_phone_to_phone_and_arrive_once(drill: Any, browser: Bro
     page = first.new_page()
     page.goto(f"http://{host}/t/{tag_id}")
     expect(page.get_by_role("heading", name=f"Tag {tag_id}")).to_be_visible(timeout=SOON_MS)
+    expect(page.get_by_role("button", name="Leave word here")).to_be_visible(timeout=SOON_MS)
     first.set_offline(True)
     leave(page, words)
     page.get_by_role("button", name="6 reports wait to be sent").click()

@@ -34,6 +34,7 @@ def caught(line, wait_until):
     assert line.call("POST", "/best-map").status_code == 202
     wait_until(lambda: best(line).pid is not None)
     pid = best(line).pid
+    wait_until(lambda: psutil.Process(pid).nice() == NICENESS)  # it has begun
     os.kill(pid, signal.SIGSTOP)
     yield pid
     if psutil.pid_exists(pid):
@@ -119,8 +120,7 @@ def test_many_who_ask_have_one_made(half, wait_until):
         assert {(a.status_code, a.json()["state"]) for a in answers} == {(202, "solving")}
         assert len({a.json()["asked_unix_s"] for a in answers}) == 1
         assert best(half).pid == pid
-        assert psutil.Process(pid).nice() == NICENESS
-        assert psutil.Process(half.agent_pid()).nice() == 0
+        assert psutil.Process(half.agent_pid()).nice() == psutil.Process().nice()
     wait_until(ended(half), 90.0)
     assert half.get("/best-map")["state"] == "ready"
     wait_until(lambda: not psutil.pid_exists(pid))
