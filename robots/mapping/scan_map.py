@@ -55,12 +55,10 @@ class ScanMap(FusedGrid):
         other = ScanMap.__new__(ScanMap)
         larger = super().covering(low_m, high_m, factor)
         other.__dict__.update(self.__dict__ | larger.__dict__)
-        (rows, columns), (below, left) = (
-            larger.cells.shape,
-            (self._row0 - larger._row0, self._column0 - larger._column0),
-        )
-        other._sure = np.zeros((rows, columns), np.uint8)
-        other._sure[below : below + self._sure.shape[0], left : left + self._sure.shape[1]] = self._sure
+        below, left = self._row0 - larger._row0, self._column0 - larger._column0
+        rows, columns = self._sure.shape
+        other._sure = np.zeros(larger.cells.shape, np.uint8)
+        other._sure[below : below + rows, left : left + columns] = self._sure
         return other
 
     def add_scan(self, map_from_base: Pose2, scan: LaserScan) -> None:

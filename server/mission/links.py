@@ -39,9 +39,7 @@ class Links:
                     await self._set(robot, "lost")
                 elif silence_s > self._late_after_s:
                     await self._set(robot, "late")
-                elif (
-                    robot.is_unanswered
-                ):  # its agent is stuck or dead: that the robot is heard is told all the same
+                elif robot.is_unanswered:  # what hangs is its agent: that the robot is heard is told
                     self._roster.publish([robot])
 
     async def _set(self, robot: Robot, link: Link) -> None:
