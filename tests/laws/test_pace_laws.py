@@ -10,7 +10,7 @@ from robots.routes.pace import FASTEST_MPS, is_too_far
 
 PLACES = st.tuples(st.floats(-200, 200), st.floats(-200, 200))
 PACES = st.floats(0.1, FASTEST_MPS)
-SDS = st.floats(0.0, 3.0)
+SDS = st.floats(0.0, 30.0)
 
 
 @given(st.lists(PLACES, min_size=2, max_size=6), PACES, SDS, st.data())

@@ -74,7 +74,7 @@ def test_an_agent_that_cannot_start_holds_up_nobody_else(tmp_path, make_control,
             line.send(wires, robot_id)
     control.stop()
     control.sql("UPDATE robots SET config = X'7B7D' WHERE robot_id = 'r1'")
-    control.settings = control.settings.model_copy(update={"reply_s": 1.0})
+    control.settings = control.settings.model_copy(update={"reply_s": 5.0})
     control.start()
     wait_until(lambda: line.post(drive.wires[10], "r2").status_code == 200)  # who forks is loading
     for number in (10, 9):  # the first came while the agent was being brought back

@@ -103,9 +103,8 @@ def test_a_stopped_robot_is_told_at_once_while_its_agent_is_stuck(line, drive, w
         board = line.control.missions.get(line.mission_id).board
         sent_unix_s = time.time()
         line.send(drive.wires[12])
-        wait_until(
-            lambda: board.get("robot/r1")["heard_unix_s"] >= sent_unix_s
-        )  # it is heard: the STOP stands
+        wait_until(lambda: board.get("robot/r1")["heard_unix_s"] >= sent_unix_s)
+        assert board.get("robot/r1")["link"] == "live"  # not told only once it was silent
     finally:
         os.kill(pid, signal.SIGCONT)
     line.call("POST", "/resume", {"robots": None})

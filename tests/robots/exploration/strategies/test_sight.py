@@ -38,6 +38,18 @@ def test_a_trail_and_a_map_that_change_are_kept_up(steps):
         np.testing.assert_array_equal(kept[1], anew[1])
 
 
+@given(places, st.lists(st.tuples(st.integers(-12, 12), st.integers(-12, 12)), min_size=1, max_size=8))
+def test_one_cell_that_changes_about_a_place_is_seen(place, flips):
+    sight, cells, way = Sight(), np.full((40, 60), FREE, np.uint8), np.array([place])
+    sight.look(grid_of(cells), way, REACH_M)
+    for up, right in flips:
+        row, column = np.clip((int(place[1] / CELL_M) + up, int(place[0] / CELL_M) + right), 0, (39, 59))
+        cells = cells.copy()
+        cells[row, column] = OCCUPIED if cells[row, column] == FREE else FREE
+        kept = sight.look(grid_of(cells), way, REACH_M)
+        np.testing.assert_array_equal(kept, Sight().look(grid_of(cells), way, REACH_M))
+
+
 @given(st.lists(places, max_size=8))
 def test_what_is_in_sight_of_a_trail_is_what_is_in_sight_of_one_place_or_another(trail):
     cells = np.full((40, 60), FREE, np.uint8)
