@@ -16,7 +16,7 @@ from server.settings import Settings
 from tests.web.driven import drive
 
 pytestmark = pytest.mark.browser
-SOON_MS = 15_000
+SOON_MS = 60_000
 
 
 HEARD = """
