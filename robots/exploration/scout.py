@@ -102,7 +102,7 @@ class Scout:
         self.explorer = Explorer(config, (config.seed, own, 1), self._communication)
         self.explorer.claims.own = key_of(robot_id)
         self._dropper = TagDropper(config.deployment, config.mapping, (config.seed, own, 2))
-        self._witness = Witness(robot_id, config.planning.min_frontier_m)
+        self._witness = Witness(robot_id, config.planning.min_frontier_m, config.planning.tag_cell_m)
         self._hearsay = Hearsay()
         self._to_tell: set[str] = set()  # tags that said something since what they say was drawn
         self._local: LocalGrid | None = None

@@ -20,7 +20,7 @@ from tests.web.small_robot import MISSION, SmallRobot
 
 pytestmark = pytest.mark.browser
 
-SOON_MS = 30_000
+SOON_MS = 60_000
 FIRST_MS = 60_000  # the first observations may have to wait for the agent's kernels to compile
 HELD_MS = 900
 
@@ -32,7 +32,7 @@ def test_what_one_does_the_other_sees_and_stop_needs_no_agent(
     host = serve(app)
     leads = browser.new_page(viewport={"width": 1366, "height": 768})
     helps = browser.new_page(viewport={"width": 1280, "height": 800})
-    with httpx.Client(base_url=f"http://{host}", timeout=60) as client:
+    with httpx.Client(base_url=f"http://{host}", timeout=90) as client:
         client.post("/api/v1/missions", json={"name": "Drill", "mission_id": MISSION}).raise_for_status()
         robot = SmallRobot(client, "r1")
         try:

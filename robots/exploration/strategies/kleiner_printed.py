@@ -19,7 +19,7 @@ from robots.exploration.strategies.kleiner import is_foreign
 from robots.exploration.strategy import ExplorationView, goals_of, ways_of
 from robots.planning.plan_grid import FREE, UNKNOWN, PlanGrid
 from robots.se2 import Array
-from robots.tags.memory import CELL_M, OPEN, REACH, VISITED_M, VISITED_REACH, TagMemory
+from robots.tags.memory import OPEN, REACH, VISITED_M, VISITED_REACH, TagMemory, centred_phase
 
 _LEAST_AGE_S = 1.0
 _CYCLE_M = 0.5  # between poses of the planned trajectory: as far as a robot drives from one plan to the next
@@ -52,18 +52,20 @@ class KleinerPrinted:
         """Synchronise with a tag at a place in the map frame; return what it holds from now on."""
         if view.grid is None:
             return memory
-        place, tau_m = np.array(tag_m), view.settings.kleiner.tau_m
+        place, tau_m, cell_m = np.array(tag_m), view.settings.kleiner.tau_m, view.settings.tag_cell_m
         visits = np.concatenate([view.trail[:, [0, 1, 3]], *self._visited])[:, :2]
         added, v_tag = synchronise_visited(visits, memory.visited_m, place, tau_m)
         stamps = np.full((len(added), 1), view.now_s)
         self._visited.append(np.hstack([added, stamps]))
         edges = frontier_cells(view.grid)
         found, f_tag = synchronise_frontiers(
-            edges, memory.frontiers_m, place, tau_m, lambda at: near_any(at, edges, CELL_M / 2.0)
+            edges, memory.frontiers_m, place, tau_m, lambda at: near_any(at, edges, cell_m / 2.0)
         )
         self._foreign = np.unique(np.concatenate([self._foreign, found]), axis=0)
         return TagMemory(
-            _window(f_tag, CELL_M, REACH) * np.uint8(OPEN), visited=_window(v_tag, VISITED_M, VISITED_REACH)
+            _window(f_tag, cell_m, REACH) * np.uint8(OPEN),
+            visited=_window(v_tag, VISITED_M, VISITED_REACH),
+            phase=centred_phase(cell_m),
         )
 
     def _note(self, view: ExplorationView) -> None:
