@@ -170,7 +170,6 @@ class Robot:
         self.communication = update.methods.communication or self.communication
         if update.graph is not None:
             self.graph = update.graph
-        self.communication = update.methods.communication
         if update.frontiers is not None:
             self.frontiers = update.frontiers
         self.told[update.seq] = Told(update.pose, update.command)
