@@ -14,7 +14,7 @@ from playwright.sync_api import BrowserContext, Page, expect
 
 from tests.web.field import Field, keep
 
-SOON_MS = 15_000
+SOON_MS = 60_000
 
 
 def annotations(field: Field) -> list[dict[str, Any]]:
@@ -24,7 +24,7 @@ def annotations(field: Field) -> list[dict[str, Any]]:
 
 
 def wait_for_annotation(field: Field, text: str) -> dict[str, Any]:
-    deadline = time.monotonic() + 20.0
+    deadline = time.monotonic() + 60.0
     while True:
         found = [note for note in annotations(field) if note["text"] == text]
         if found:

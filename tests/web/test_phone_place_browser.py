@@ -11,7 +11,7 @@ from playwright.sync_api import BrowserContext, Page, expect
 
 from tests.web.field import Field, keep
 
-SOON_MS = 15_000
+SOON_MS = 60_000
 SMALL = """() => {
   const all = [...document.querySelectorAll("body *")];
   const shown = all.filter((e) => e.checkVisibility() && !e.closest(".unseen"));
