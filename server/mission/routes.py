@@ -8,7 +8,8 @@ from math import degrees, hypot, sqrt
 
 import numpy as np
 
-from robots.routes.planner import Hazard, Leg, NoRouteError, RouteMap
+from robots.routes.hazards import Hazard
+from robots.routes.planner import Leg, NoRouteError, RouteMap
 from robots.routes.sight import is_clear
 from robots.routes.texts import Language, say
 from robots.routes.ways import Way, ways_along

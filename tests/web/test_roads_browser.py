@@ -90,7 +90,8 @@ def board_of(rng: np.random.Generator) -> tuple[Board, TeamGrid | None]:
     for k in range(int(rng.integers(0, 4))):
         x, y = where()
         kind = str(rng.choice(["hazard", "note"]))
-        area = [[x, y], [x + 3.0, y], [x, y + 3.0]] if rng.random() < 0.4 else []
+        side = float(rng.choice([3.0, 20.0]))  # with sides far longer than a hazard reaches
+        area = [[x, y], [x + side, y], [x, y + side]] if rng.random() < 0.4 else []
         at_tag = not area and rng.random() < 0.5
         value = {"annotation_id": f"n{k}", "kind": kind, "text": "" if rng.random() < 0.3 else f"hole {k}"}
         value |= {"x_m": None if area or at_tag else x, "y_m": None if area or at_tag else y, "area_m": area}

@@ -8,7 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from robots.routes.planner import Hazard, NoRouteError, RouteMap
+from robots.routes.hazards import Hazard, is_near
+from robots.routes.planner import NoRouteError, RouteMap
 from robots.routes.sight import is_clear
 from robots.routes.ways import Way, length, shortest_ways, simplified, ways_along
 from robots.routes.words import OF_PLAN, North, bearing_deg, is_narrow, leg_text
@@ -134,6 +135,40 @@ def test_hazards_are_gone_round_where_that_is_possible_and_told_where_not():
         (leg,) = RouteMap([direct], hazards=[hazard]).route("A", ["B"])
         assert leg_text(leg).endswith(f"to tag B. Take care: {hazard.text}.")
     assert [leg.way.to_tag for leg in RouteMap([direct, *round_]).route("A", ["B"])] == ["B"]
+
+
+points_near = st.tuples(st.integers(-900, 900), st.integers(-900, 900))
+
+
+def test_a_way_along_the_side_of_an_area_is_near_it_however_far_its_corners_are():
+    fire = Hazard("fire", ((-10.0, 0.0), (10.0, 0.0), (10.0, 20.0), (-10.0, 20.0)))
+    for y, expected in ((-0.1, True), (-1.9, True), (-2.1, False), (10.0, True)):
+        assert is_near(np.array([[-1.0, y], [1.0, y]]), fire) is expected
+    assert is_near(np.array([[-30.0, 5.0], [30.0, 5.0]]), fire)  # right through, no point of it within
+    assert is_near(np.array([[-30.0, 0.0], [30.0, 0.0]]), Hazard("gas", ((5.0, 1.9),)))
+    assert not is_near(np.array([[-30.0, 0.0], [30.0, 0.0]]), Hazard("gas", ((5.0, 2.0),)))
+
+
+@given(st.lists(points_near, min_size=2, max_size=4), st.lists(points_near, min_size=1, max_size=3))
+def test_near_is_what_looking_every_five_centimetres_finds(line, corners):
+    points, sides = np.array(line) / 100.0, np.array(corners) / 100.0
+
+    def walked(path, step_m):
+        return np.vstack(
+            [np.linspace(a, b, 2 + int(hypot(*(b - a)) / step_m)) for a, b in itertools.pairwise(path)]
+        )
+
+    way, rim = walked(points, 0.05), walked(np.vstack([sides, sides[:1]]), 0.05)
+    gap = np.hypot(*(way[:, None] - rim[None]).transpose(2, 0, 1)).min()
+    within = len(sides) == 3 and any(abs(_turns(sides, point)) > 0.5 for point in way[::20])
+    if within or not 2.0 <= gap < 2.06:
+        assert is_near(points, Hazard("hole", tuple(map(tuple, sides.tolist())))) == (within or gap < 2.0)
+
+
+def _turns(corners, point):
+    """How often a polygon goes round a point."""
+    angles = np.arctan2(*(corners - point).T[::-1])
+    return ((np.roll(angles, -1) - angles + np.pi) % (2 * np.pi) - np.pi).sum() / (2 * np.pi)
 
 
 def test_a_wall_hides_what_is_behind_it_but_not_what_lies_against_it():
