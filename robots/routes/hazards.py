@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from robots.se2 import Array
 
@@ -46,20 +47,20 @@ def _off(points: Array, start: Array, end: Array) -> Array:
     return square
 
 
-def _cross(start: Array, end: Array, one: Array, other: Array) -> Array:
+def _cross(start: Array, end: Array, one: Array, other: Array) -> NDArray[np.bool_]:
     """Say which pieces from start to end cross which from one to other."""
 
-    def left(a: Array, b: Array, c: Array) -> Array:
-        side: Array = (b - a)[..., 0] * (c - a)[..., 1] - (b - a)[..., 1] * (c - a)[..., 0] > 0.0
+    def left(a: Array, b: Array, c: Array) -> NDArray[np.bool_]:
+        side: NDArray[np.bool_] = (b - a)[..., 0] * (c - a)[..., 1] - (b - a)[..., 1] * (c - a)[..., 0] > 0.0
         return side
 
-    crossing: Array = (left(start, end, one) != left(start, end, other)) & (
+    crossing: NDArray[np.bool_] = (left(start, end, one) != left(start, end, other)) & (
         left(one, other, start) != left(one, other, end)
     )
     return crossing
 
 
-def _inside(points: Array, corners: Array) -> Array:
+def _inside(points: Array, corners: Array) -> NDArray[np.bool_]:
     """Say which points (n, 2) lie in a polygon: a ray from them crosses its sides an odd number of times."""
     x, y = points[:, :1], points[:, 1:]
     x0, y0 = corners.T
@@ -67,5 +68,5 @@ def _inside(points: Array, corners: Array) -> Array:
     with np.errstate(divide="ignore", invalid="ignore"):
         crosses = (y0 > y) != (y1 > y)
         at = x0 + (y - y0) * (x1 - x0) / (y1 - y0)
-    odd: Array = (crosses & (x < at)).sum(axis=1) % 2 == 1
+    odd: NDArray[np.bool_] = (crosses & (x < at)).sum(axis=1) % 2 == 1
     return odd

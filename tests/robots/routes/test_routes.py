@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from robots.routes.hazards import Hazard, is_near
 from robots.routes.planner import NoRouteError, RouteMap
 from robots.routes.sight import is_clear
-from robots.routes.ways import Way, length, shortest_ways, simplified, ways_along
-from robots.routes.words import OF_PLAN, North, bearing_deg, is_narrow, leg_text
+from robots.routes.ways import Way, length, shortest_ways, simplified, way_walked, ways_along
+from robots.routes.words import OF_PLAN, North, bearing_deg, is_narrow, is_uncertain, last_text, leg_text
 from robots.team import TeamGrid
 
 TRUE = North(0.0)  # the plan's x axis points north
@@ -105,6 +105,34 @@ def test_words_say_how_far_which_way_and_where_to_turn():
     assert leg_text(back, "en", TRUE) == "Go 3 m east, turn right and go 6 m to tag A."
     (vague,) = RouteMap([way], {"A": 3.0}).route("A", ["B"])
     assert leg_text(vague, "en", TRUE) == "Go about 6 m north, turn left and go about 3 m to tag B."
+
+
+def test_a_walk_is_as_long_as_the_steps_were_and_uncertain_and_a_guess_costs_more():
+    at = {"A": (0.0, 0.0), "B": (6.0, 0.0), "far": (31.0, 0.0)}
+    counted, guessed = way_walked("A", "B", at, 9.04), way_walked("A", "B", at, None)
+    assert (counted.length_m, counted.cost_cm) == (9.04, 904)
+    assert (guessed.length_m, guessed.cost_cm) == (6.0, 900)
+    assert way_walked("A", "B", at, 3.0).cost_cm == 900  # not all steps were counted
+    assert way_walked("A", "B", at, 5.0).length_m == 6.0  # a straight line is the shortest
+    assert way_walked("A", "far", at, None) is None
+    (leg,) = RouteMap([counted]).route("B", ["A"])
+    assert is_uncertain(leg)
+    assert (
+        leg_text(leg, "en", TRUE)
+        == "Go about 9 m south to tag A. Somebody walked it; just where is not known."
+    )
+    driven = Way("A", "B", np.array([[0.0, 0.0], [6.0, 0.0]]), narrow_cm=200)
+    (leg,) = RouteMap([counted, guessed, driven]).route("A", ["B"])
+    assert leg.way is driven
+    assert not is_uncertain(leg)
+
+
+def test_what_is_not_known_well_has_to_be_searched_for():
+    way = Way("A", "victim:v1", np.array([[0.0, 0.0], [7.0, 0.0]]))
+    assert last_text(way, "victim v1", 0.9, (), north=TRUE) == "From tag A go 7 m north: there is victim v1."
+    words = last_text(way, "victim v1", 3.0, ("gas",), north=TRUE)
+    there = "From tag A go about 7 m north and search there: victim v1 is within about 6 m."
+    assert words == f"{there} Take care: gas."
 
 
 @pytest.mark.parametrize(

@@ -23,6 +23,7 @@ export class Roads {
     order.forEach((k, rank) => (this.ranks[k] = rank));
     /** @type {Edge[][]} */
     this.next = pocket.tags.map(() => []);
+    this.notes = notes;
     this.hazards = hazardsOf(notes);
     for (const way of pocket.ways) {
       const [a, b, cm, points, narrow_cm] = way;
