@@ -10,6 +10,7 @@ import numpy as np
 
 from robots.routes.hazards import Hazard
 from robots.routes.pace import is_too_far
+from robots.routes.place_kind import PlaceKind
 from robots.routes.planner import Leg, NoRouteError, RouteMap
 from robots.routes.texts import Language
 from robots.routes.ways import Way, way_walked, ways_along
@@ -18,6 +19,7 @@ from robots.team import TeamGrid
 from server.board import Board, Value
 from server.errors import ApiError, unknown
 from server.mission.goals import Goal, Places, base_of, goals_of, nearest_ends, place_of, sd_of
+from server.mission.place_kinds import PlaceKinds
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -46,6 +48,7 @@ class Routes:
         self._board = board
         self._of: list[object] = []  # what the roads were made of; values of a board never change in place
         self._roads = RouteMap([])
+        self._place_kinds = PlaceKinds()
 
     @property
     def north(self) -> North:
@@ -76,6 +79,13 @@ class Routes:
     def places(self) -> Places:
         """Return where tags are."""
         return places_of(self._board.of_kind("tag"))
+
+    def place_kind(self, grid: TeamGrid | None, tag: Value) -> PlaceKind:
+        """Return of what kind a tag's place is, "" where the map does not tell or the tag is doubtful."""
+        if tag["notice"]:
+            return ""
+        tag_id = tag["tag_id"]
+        return self._place_kinds.of(grid, tag_id, places_of([tag])[tag_id], sd_of(tag))
 
     def roads(self, grid: TeamGrid | None) -> RouteMap:
         """Return the tags and ways as they are now; what is returned never changes."""
