@@ -8,6 +8,7 @@ from pydantic import ConfigDict, Field, model_validator
 
 from db.records import AnnotationKind
 from db.reports import ReportKind
+from server.schemas.alerts import told_where
 from server.schemas.common import Name, Seconds, Wire
 from server.schemas.victims import Count, StartWire
 
@@ -23,9 +24,9 @@ _MAY: dict[ReportKind, tuple[str, ...]] = {
     "victim": ("text", "live", "dead", "start"),
     "mayday": ("text", "tag_id"),
     "heard": (),
-    "at": ("from_tag", "after_s"),
+    "at": ("from_tag", "after_s", "steps_m"),
 }
-_WHAT = ("note", "text", "tag_id", "live", "dead", "start", "since_unix_s", "from_tag", "after_s")
+_WHAT = ("note", "text", "tag_id", "live", "dead", "start", "since_unix_s", "from_tag", "after_s", "steps_m")
 _CLOCKS = {"phone_unix_s": 1790000000.0, "offset_s": 3.5, "sent_phone_unix_s": 1790000060.0}
 
 
@@ -54,6 +55,7 @@ class ReportIn(Wire):
         description="`note` at a tag; `victim` at a tag; `mayday`; `heard`: EVACUATE; `at`: I am at this tag."
     )
     made_by: str = Field("", max_length=60, description="Who was logged in on the phone when it was made.")
+    is_carried: bool = Field(False, description="It was made on another phone, which handed it over.")
     phone_unix_s: Seconds = Field(description="The phone's clock when it was made.")
     offset_s: Seconds | None = Field(
         None, description="By how much the phone knew then that its clock was slow; null: it did not know."
@@ -69,9 +71,18 @@ class ReportIn(Wire):
 
     from_tag: Name | None = Field(
         None,
-        description="A tag that this phone read so shortly before that both cannot be where the map says.",
+        description="The tag that this phone read before this one: its owner walked from there, or, where"
+        " that is too far for the time, both cannot be where the map says.",
     )
     after_s: Annotated[float | None, Field(ge=0, le=3600, description="How long before, s.")] = None
+    steps_m: Annotated[
+        float | None, Field(ge=0, le=10_000, description="How far it was by the phone's own count of steps.")
+    ] = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _is_let_through(cls, said: Any) -> Any:
+        return told_where(said) if isinstance(said, dict) and said.get("kind") == "mayday" else said
 
     @model_validator(mode="after")
     def _fits_its_kind(self) -> Self:
@@ -81,6 +92,8 @@ class ReportIn(Wire):
             raise ValueError(f"a report of the kind {self.kind} needs {' and '.join(missing)}")
         if (self.from_tag is None) != (self.after_s is None):
             raise ValueError("from_tag and after_s go together")
+        if self.steps_m is not None and self.from_tag is None:
+            raise ValueError("steps_m says how far it was from from_tag: name that too")
         other = [name for name in _WHAT if name in self.model_fields_set and name not in (*needed, *also)]
         other = [name for name in other if getattr(self, name) not in (None, "")]
         if other:

@@ -18,7 +18,7 @@ from server.settings import Settings
 from tests.server.markings.states import sectors
 
 pytestmark = pytest.mark.browser
-SOON_MS = 15_000
+SOON_MS = 60_000
 DRAW = """async (told) => {
   const own = OWN;
   const [{ victimMarkings, markingWords }, { worksiteMarkings }] =
@@ -49,7 +49,7 @@ def test_console_and_report_draw_the_same_and_a_worksite_is_marked(
     browser: Browser, serve: Any, tmp_path: Any
 ) -> None:
     host = serve(create_app(Settings(data_dir=tmp_path, login="off")))
-    with httpx.Client(base_url=f"http://{host}/api/v1", timeout=60) as client:
+    with httpx.Client(base_url=f"http://{host}/api/v1", timeout=90) as client:
         client.post("/missions", json={"name": "Mine"}).raise_for_status()
         area = [[-2.0, -2.0], [4.0, -2.0], [4.0, 3.0], [-2.0, 3.0]]
         sector = "/missions/mine/sectors/5e0f6c1e-0000-4000-8000-000000000001"
@@ -71,6 +71,8 @@ def test_console_and_report_draw_the_same_and_a_worksite_is_marked(
         report = client.get("/missions/mine/report.html").text
         assert "INSARAG 2027, worksite" in report
         assert "&lt;B&gt;PIPE&lt;/B&gt;" in report
+        assert "rapid clearance: deceased only" in report
+        assert report.count("Rapid clearance") == 4  # both diamonds, each with its name
         page.close()
         assert errors == []
 
@@ -103,3 +105,15 @@ def mark_a_worksite(page: Page) -> None:
     panel.get_by_label("Worksite", exact=True).press("Tab")
     marking = panel.get_by_role("img", name="INSARAG 2027, worksite")
     expect(marking).to_contain_text("AUS01 ASR3", timeout=SOON_MS)
+
+    # how safe the structure is, and, once all is searched, that only deceased are left, then nobody
+    panel.get_by_label("Team", exact=True).fill("USA02")
+    panel.get_by_label("Structure").select_option("high")
+    panel.get_by_label("Safest entry").select_option("left")
+    panel.get_by_role("button", name="Mark how safe it is").click()
+    box = panel.get_by_role("img", name="USA02 rates the structure a high risk, safest entry left")
+    expect(box.locator("path")).to_have_count(4, timeout=SOON_MS)
+    for letter in ("D", "C"):
+        panel.get_by_role("button", name=f"{letter}: ").click()
+        expect(panel.get_by_role("img", name="Rapid clearance").last).to_contain_text(letter, timeout=SOON_MS)
+    expect(panel.get_by_role("img", name="Rapid clearance")).to_have_count(2)
