@@ -6,6 +6,7 @@ A tour is planned in one go from one flood of the map; only its first leg is dri
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 from math import hypot
 
@@ -22,9 +23,11 @@ _LEG_M = 15.0
 _FADES_M = 240.0  # ground made safe so much later is worth nothing
 _WIDTH, _PER_STATION = 300, 2  # ways kept for each metre, and with the same end
 _OTHERS = 0.3  # what ground is worth that somebody else is nearer to
+_EPSILON = 0.1  # m2, of the product of two steps: turns of a little over 90 degrees will do
 _APART_M = 1.0  # a leg ends where it would come so near to itself again
 _END_M = 0.5  # before the end of a leg the next is planned
 _POINT_EVERY_M = 0.2
+_AHEAD, _OFF_M = 15, 1.0  # points of the way that the robot may have come to, and how near it is to one
 _LEAST_M2 = 1.0  # of a whole tour; less is left to what else there is to weigh
 _JUST_DRIVEN, _LOOKS_EVERY = 8, 4  # points of the trail: the last 2 m say nothing yet, one a metre will do
 
@@ -41,13 +44,16 @@ class Tours:
         if leg is None or grid is None or view.goal_m != leg.goal_m:
             return None
         way = np.array(leg.way_m)
-        nearest = int(np.hypot(way[:, 0] - pose.x, way[:, 1] - pose.y).argmin())
-        rest = np.concatenate([[(pose.x, pose.y)], way[min(nearest + 1, len(way) - 1) :]])
-        left_m = _length_m(rest)
+        off_m = np.hypot(way[:_AHEAD, 0] - pose.x, way[:_AHEAD, 1] - pose.y)
+        # what was passed is never gone back to, though the way may turn about
+        way = way[min(int(off_m.argmin()) + 1, len(way) - 1) :]
+        rest = np.concatenate([[(pose.x, pose.y)], way])
         ways = [way_between(grid.steps, grid.origin, grid.cell_m, a, b) for a, b in pairwise(rest)]
-        if left_m < _END_M or min(ways) < 0.0:
+        left_m = _length_m(rest)
+        if off_m.min() > _OFF_M or left_m < _END_M or min(ways) < 0.0:
             return None
-        return Leg(leg.goal, leg.goal_m, 0.0, left_m, _points(rest), leg.area_m2, begun=True)
+        self._leg = replace(leg, cost_m=left_m, way_m=_points(rest), begun=True)
+        return self._leg
 
     def plan(self, view: ExplorationView, kinds: Kinds, coarse_m: float) -> Leg | None:
         """Return the first leg of the best tour, None where nothing is to be gained along a lattice.
@@ -96,12 +102,17 @@ def _shares(view: ExplorationView, kinds: Kinds, coarse_m: float) -> Array:
 
 
 def _legs_length(places: Array) -> int:
-    """Return how many of the places (n, 2) make a leg: up to its length, or where it comes near itself."""
+    """Return how many of the places (n, 2) make a leg: up to its length, a sharp turn, or near itself.
+
+    Who follows a way goes on from the point of it that is nearest: it must not turn back on itself.
+    """
+    steps = np.diff(places, axis=0)
     gone = np.concatenate([[0.0], np.hypot(*np.diff(places, axis=0).T).cumsum()])
     for k in range(1, len(places)):
         earlier = gone[:k] < gone[k] - 2.5 * _APART_M
         near = np.hypot(*(places[:k][earlier] - places[k]).T) < _APART_M
-        if gone[k] > _LEG_M or near.any():
+        turns_back = k > 1 and steps[k - 2] @ steps[k - 1] < -_EPSILON
+        if gone[k] > _LEG_M or near.any() or turns_back:
             return max(2, k)
     return len(places)
 

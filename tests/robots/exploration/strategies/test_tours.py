@@ -8,8 +8,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from robots.config import PlanningConfig
+from robots.config import AgentConfig, PlanningConfig
 from robots.exploration.frontiers import Leg
+from robots.exploration.goals import Goals
 from robots.exploration.ground import Ground
 from robots.exploration.settings import SafeGroundConfig
 from robots.exploration.strategies.sweep import Sweep
@@ -17,6 +18,7 @@ from robots.exploration.strategies.three_grids import three_grids
 from robots.exploration.strategies.tours.beam import best_way
 from robots.exploration.strategies.tours.stations import NEW, SAFE, stations_of, without_ghosts
 from robots.exploration.strategy import ExplorationView
+from robots.exploration.team.communication import Communication
 from robots.exploration.told.survey import Survey
 from robots.planning.plan_grid import FREE, OCCUPIED, UNKNOWN, PlanGrid
 from robots.planning.travel import travel_costs
@@ -158,10 +160,16 @@ def followed(grid, x, y, most_legs=40):
 def test_a_hall_is_swept_in_lanes_and_then_there_is_no_tour_left():
     grid = hall()
     trail, legs = followed(grid, 2.1, 2.1)
-    safe = three_grids(grid, np.column_stack([trail, np.zeros(len(trail))]), REACH_M).safe
-    assert safe.sum() > 0.97 * (grid.cells == FREE).sum()
-    driven_m = np.hypot(*np.diff(trail, axis=0).T).sum()
-    assert driven_m < 45.0  # two lanes of 15 m, 6 m between them, and what is left in corners
+    way = np.column_stack([trail, np.zeros(len(trail))])
+    gone_m = np.concatenate([[0.0], np.hypot(*np.diff(way[:, :2], axis=0).T).cumsum()])
+
+    def share(metres: float) -> float:
+        safe = three_grids(grid, way[gone_m <= metres], REACH_M).safe
+        return float(safe.sum() / (grid.cells == FREE).sum())
+
+    assert share(36.0) > 0.9  # two lanes of 15 m, and 6 m between them
+    assert share(gone_m[-1]) > 0.97
+    assert gone_m[-1] < 75.0
     assert len(legs) < 8
     assert all(leg.cost_m < 16.5 for leg in legs)
 
@@ -195,6 +203,19 @@ def test_what_stays_unknown_though_it_was_looked_at_is_left():
     assert len(legs) < 10
 
 
+def test_a_leg_never_turns_back_on_itself():
+    pillars = tuple(np.s_[r : r + 3, c : c + 3] for r in (15, 40) for c in (20, 45, 70))
+    _, legs = followed(hall((*pillars, np.s_[10:50, 30:32])), 2.1, 2.1)
+    assert len(legs) >= 4
+    for leg in legs:
+        way = np.array(leg.way_m)
+        assert all(
+            np.hypot(*(way[: max(0, k - 10)] - way[k]).T).min(initial=9.0) > 0.5 for k in range(len(way))
+        )
+        steps = np.diff(way, axis=0)
+        assert (np.sum(steps[1:] * steps[:-1], axis=1) > -0.005).all()
+
+
 def on_a_leg():
     grid = hall()
     sweep, view = Sweep(), view_at(grid, 2.1, 2.1, [(2.1, 2.1)])
@@ -205,14 +226,33 @@ def on_a_leg():
 def test_a_leg_is_kept_to_its_end_and_planned_once():
     grid, sweep, leg = on_a_leg()
     assert not leg.begun
-    half = leg.way_m[len(leg.way_m) // 2]
-    (kept,) = sweep.candidates(replace(view_at(grid, *half, [(2.1, 2.1), half]), goal_m=leg.goal_m))
-    assert (kept.begun, kept.goal_m) == (True, leg.goal_m)
-    assert 0.3 * leg.cost_m < kept.cost_m < 0.7 * leg.cost_m
-    assert set(kept.way_m[1:]) <= set(leg.way_m)
+    for at in leg.way_m[5:-5:5]:
+        (kept,) = sweep.candidates(replace(view_at(grid, *at, [(2.1, 2.1), at]), goal_m=leg.goal_m))
+        assert (kept.begun, kept.goal_m) == (True, leg.goal_m)
+        assert kept.way_m == leg.way_m[leg.way_m.index(at) :]
+        assert kept.cost_m == pytest.approx(0.2 * (len(kept.way_m) - 1), rel=0.1)
     end = leg.way_m[-2]
     (following,) = sweep.candidates(replace(view_at(grid, *end, leg.way_m), goal_m=leg.goal_m))
     assert not following.begun
+
+
+def test_planning_is_charged_once_a_leg():
+    grid, trail = hall(), [(2.1, 2.1)]
+    goals = Goals(replace(SWEEPING, explore="waymark"), Communication("r1", AgentConfig()))
+    charged = []
+    for _ in range(40):
+        choice = goals.choose(view_at(grid, *trail[-1], trail))
+        assert choice is not None
+        goals.goal_m = choice.frontier.goal_m
+        charged.append((goals.take_planned(), choice.frontier.goal_m))
+        trail.append(choice.frontier.way_m[5])
+    legs = {goal for _, goal in charged}
+    assert len(legs) >= 2
+    assert sum(planned for planned, _ in charged) == len(legs)
+    assert all(
+        planned == (goal != before)
+        for (planned, goal), (_, before) in zip(charged[1:], charged, strict=False)
+    )
 
 
 @pytest.mark.parametrize("goal", ["lost", "shut"])
