@@ -12,6 +12,7 @@ from typing import Literal
 
 from robots.exploration.settings import KleinerConfig, SafeGroundConfig, ZiparoConfig
 from robots.scan_config import LoopConfig, ScanMatchConfig
+from robots.tags.memory import CELLS_M
 
 
 class ConfigError(ValueError):
@@ -233,6 +234,7 @@ class PlanningConfig:
     explore: str = "waymark"
     coordinate: str = "none"  # how frontiers are shared out among the robots that are heard
     communication: Literal["none", "tags", "full", "radio"] = "tags"  # who is heard, see Communication
+    tag_cell_m: float = CELLS_M[0]  # of the ground that is told to tags where none has told any yet
     kleiner: KleinerConfig = field(default_factory=KleinerConfig)
     ziparo: ZiparoConfig = field(default_factory=ZiparoConfig)
     safe: SafeGroundConfig = field(default_factory=SafeGroundConfig)
@@ -246,10 +248,13 @@ class PlanningConfig:
     def __post_init__(self) -> None:
         """Keep a name that is an attribute's too apart from that: snapshots tell what is one object.
 
-        Raises ConfigError where a small map would be a large one.
+        Raises ConfigError where a small map would be a large one, or tags cannot tell of such cells.
         """
         if not 0.0 <= self.local_map_m <= MAX_LOCAL_MAP_M:
             raise ConfigError(f"planning.local_map_m has to be 0 to {MAX_LOCAL_MAP_M:g} metres")
+        if self.tag_cell_m not in CELLS_M:
+            sides = ", ".join(f"{side:g}" for side in sorted(CELLS_M))
+            raise ConfigError(f"planning.tag_cell_m has to be one of {sides} metres")
         object.__setattr__(self, "communication", self.communication.encode().decode())
 
 

@@ -173,6 +173,7 @@ def row_of(map_name: str, case: Case, outcomes: Sequence[Outcome]) -> Row:
         "in_order": case.in_order,
         "reader_m": case.reader_m if case.magazine else None,
         "tag_bits": case.tag_bits if case.magazine else None,
+        "cell_m": case.planning.tag_cell_m if case.magazine else None,
         "tag_error_m": case.tag_error_m if case.magazine else None,
         "method": case.method,
         "explore": case.planning.explore,

@@ -14,11 +14,12 @@ from robots.tags.marks import (
     unpack_passes,
     unpack_victims,
 )
-from robots.tags.memory import CENTRED, REACH, VISITED_REACH, TagMemory, TagMemoryError
+from robots.tags.memory import CELLS_M, CENTRED, REACH, VISITED_REACH, TagMemory, TagMemoryError
 from robots.tags.window import Cells, no_cells, pack, unpack
 
 VERSION = 0x40  # the two high bits; the others say which kinds follow
 MAX_BYTES = 1 << 16
+_SIZES_FROM = 2 * (REACH + 1) + 2  # a window's first byte below it: cells of 1 m
 _KINDS = 0x3F
 _VICTIMS, _NOTES, _PASSES, _VISITED, _COVERAGE, _MAPS = (1 << k for k in range(6))
 
@@ -35,7 +36,9 @@ def encode_memory(memory: TagMemory) -> bytes:
         _PASSES: pack_passes(memory.passes) if memory.passes else b"",
         _VISITED: _pack_window(memory.visited, memory.visited_reach) if memory.has_visited else b"",
         _COVERAGE: (
-            bytes([memory.phase]) + _pack_window(memory.cells, memory.reach) if memory.has_coverage else b""
+            bytes([memory.phase & 0xFF]) + _pack_window(memory.cells, memory.reach, memory.phase >> 8)
+            if memory.has_coverage
+            else b""
         ),
         _MAPS: pack_maps(memory.maps) if memory.maps else b"",
     }
@@ -84,30 +87,37 @@ def _decoded(data: bytes) -> TagMemory:
         passes, used = unpack_passes(data[at:])
         at += used
     if kinds & _VISITED:
-        visited, visited_reach, at = _unpack_window(data, at, VISITED_REACH)
+        visited, visited_reach, _, at = _unpack_window(data, at, VISITED_REACH, 1)
     if kinds & _COVERAGE:
-        phase = _byte(data, at)
-        cells, reach, at = _unpack_window(data, at + 1, REACH)
+        place = _byte(data, at)
+        cells, reach, size, at = _unpack_window(data, at + 1, REACH, len(CELLS_M))
+        phase = place | size << 8
     maps = unpack_maps(data[at:]) if kinds & _MAPS else ()
     if not kinds & _MAPS and at != len(data):
         raise ValueError(f"it has {len(data) - at} bytes too many")
     return TagMemory(cells, maps, victims, notes, passes, visited, phase, reach, visited_reach)
 
 
-def _pack_window(cells: Cells, reach: int) -> bytes:
-    """Return the reach it was cut to, one more where cells follow; 0 where none had room."""
-    return bytes([2 * (reach + 1) + bool(cells.any())]) + (pack(cells, reach) if cells.any() else b"")
+def _pack_window(cells: Cells, reach: int, size: int = 0) -> bytes:
+    """Return the reach it was cut to, one more where cells follow (0 where none had room), and their size."""
+    return bytes([2 * (reach + 1) + bool(cells.any()) + size * _SIZES_FROM]) + (
+        pack(cells, reach) if cells.any() else b""
+    )
 
 
-def _unpack_window(data: bytes, at: int, most: int) -> tuple[Cells, int, int]:
-    further, holds = divmod(_byte(data, at), 2)
+def _unpack_window(data: bytes, at: int, most: int, sizes: int) -> tuple[Cells, int, int, int]:
+    """Return the cells, the reach, the number of their size, and where the window ends."""
+    size, told = divmod(_byte(data, at), _SIZES_FROM)
+    if size >= sizes:
+        raise ValueError(f"its cells have a size {size} that does not exist")
+    further, holds = divmod(told, 2)
     reach = further - 1
     if reach > most or (reach == most and not holds) or (reach < 0 and holds):
         raise ValueError(f"its window reaches {reach} cells")
     if not holds:
-        return no_cells(), reach, at + 1
+        return no_cells(), reach, size, at + 1
     cells, used = unpack(data[at + 1 :], reach)
-    return cells, reach, at + 1 + used
+    return cells, reach, size, at + 1 + used
 
 
 def _byte(data: bytes, at: int) -> int:

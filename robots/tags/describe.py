@@ -9,7 +9,7 @@ import numpy as np
 
 from robots.tags.map_memory import TagBelief, WriterMap, merge_maps
 from robots.tags.marks import MAX_NAME, MAX_TEXT, Note, Notes, Pass, VictimMark, merged_marks
-from robots.tags.memory import CENTRED, REACH, SIDE, VISITED_REACH, TagMemory, TagMemoryError
+from robots.tags.memory import CENTRED, MAX_PHASE, REACH, SIDE, VISITED_REACH, TagMemory, TagMemoryError
 from robots.tags.window import Cells
 
 STATES = ".o#"  # unseen, open, closed
@@ -17,6 +17,7 @@ VISITS = ".12"  # not, once, more often
 _NUMBERS = ("x_m", "y_m", "variance_x", "covariance_xy", "variance_y")
 T = TypeVar("T")
 _FIELDS = ("window", "maps", "victims", "notes", "passes", "visited", "phase", "reach", "visited_reach")
+_SAID_BESIDE = {"notes_let_go", "cell_m"}
 
 
 def describe(memory: TagMemory) -> dict[str, Any]:
@@ -60,6 +61,7 @@ def describe(memory: TagMemory) -> dict[str, Any]:
     return {
         "window": _rows(memory.cells, STATES),
         "phase": memory.phase,
+        "cell_m": memory.cell_m,
         "reach": memory.reach,
         "visited": _rows(memory.visited, VISITS),
         "visited_reach": memory.visited_reach,
@@ -77,7 +79,7 @@ def understand(value: object) -> TagMemory:
     Raises:
         TagMemoryError: something is missing, or is not what it should be; the message says what.
     """
-    if not isinstance(value, dict) or not set(value) <= {*_FIELDS, "notes_let_go"}:
+    if not isinstance(value, dict) or not set(value) <= {*_FIELDS} | _SAID_BESIDE:
         raise TagMemoryError(f"a memory is an object with {', '.join(_FIELDS)}")
     victims = _each(value, "victims", _victim, "key, north_m, west_m, confidence and seen_min")
     passes = _each(value, "passes", _pass, "key, count, serial, goal_north_m and goal_west_m")
@@ -91,7 +93,7 @@ def understand(value: object) -> TagMemory:
         Notes(tuple(notes), gone if any(gone) else None).merge(Notes()),
         merged_marks(*passes),
         _window(value.get("visited", ["."]), "visited", VISITS, 2 * VISITED_REACH + 1),
-        _number(value.get("phase", CENTRED), 0, 255, "phase"),
+        _number(value.get("phase", CENTRED), 0, MAX_PHASE - 1, "phase"),
         _number(value.get("reach", REACH), -1, REACH, "reach"),
         _number(value.get("visited_reach", VISITED_REACH), -1, VISITED_REACH, "visited_reach"),
     )

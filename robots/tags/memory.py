@@ -1,6 +1,6 @@
 """What a tag's memory says, as a value that merges: greatest state, newest map, all notes.
 
-Round the tag lies the ground others have covered, cells of 1 m that only grow: unseen < covered with an open
+Round the tag lies the ground others have covered, cells that only grow: unseen < covered with an open
 frontier < covered and closed; open cells are the frontiers that are known there. Beside it may stand cells of
 0.4 m that robots drove through, victims, notes, who passed, and maps of tags. Frame: the writer's compass,
 centred on the tag, rows north (x), columns west (y). Merging is commutative, associative and idempotent, so
@@ -12,8 +12,9 @@ is part of the value (``reach``, ``visited_reach``, ``Notes.gone``). What a memo
 it knows, so fitting before or after a merge comes to the same.
 
 The cells of coverage lie on a lattice that need not be centred on the tag: ``phase`` says where in its cell
-the tag lies, sixteenths of a metre in x (low 4 bits) and y. Robots keep the lattice that they find, so cells
-go from tag to tag without being drawn anew. Of windows on two lattices the greater phase counts.
+the tag lies, sixteenths of a cell in x (low 4 bits) and y, and above that how large cells are. Robots keep
+the lattice that they find, so cells go from tag to tag without being drawn anew. Of windows on two lattices
+the greater phase counts.
 """
 
 from __future__ import annotations
@@ -37,12 +38,14 @@ from robots.tags.marks import (
 )
 from robots.tags.window import cost, fitting_reach, joined, no_cells, resized, trimmed, within
 
-CELL_M = 1.0
+CELLS_M = (1.0, 0.5, 2.0)  # of coverage, by the two bits above a phase
 VISITED_M = 0.4
 UNSEEN, OPEN, CLOSED = 0, 1, 2
 REACH, VISITED_REACH = 31, 10  # cells from the middle to the border
 SIDE = 2 * REACH + 1
-CENTRED = 0x88  # the phase of a tag in the middle of its cell
+CENTRED = 0x88  # the phase of a tag in the middle of its cell of 1 m
+MAX_PHASE = len(CELLS_M) << 8
+WINDOWS = ("cells", "phase", "reach", "visited", "visited_reach")  # of a memory: what it says of the ground
 WINDOW_HEAD = 2  # bytes: reach and phase
 _HEAD = 1
 _MAPS_FROM, _BESIDE_MAPS = 256, 195  # bytes of room from which maps have theirs; what the others share then
@@ -95,13 +98,18 @@ class TagMemory:
     @property
     def frontiers_m(self) -> Array:
         """Open cells, (n, 2), metres north and west of the tag."""
-        found: Array = places_of(self.cells == OPEN, CELL_M) + np.array(self.shift_m)
+        found: Array = places_of(self.cells == OPEN, self.cell_m) + np.array(self.shift_m)
         return found
 
     @property
     def visited_m(self) -> Array:
         """Places robots drove through, (n, 2), metres north and west of the tag."""
         return places_of(self.visited > 0, VISITED_M)
+
+    @property
+    def cell_m(self) -> float:
+        """Side of a cell of coverage."""
+        return cell_of(self.phase)
 
     @property
     def shift_m(self) -> tuple[float, float]:
@@ -196,13 +204,28 @@ class Shares:
 
 def shift_of(phase: int) -> tuple[float, float]:
     """Return the way from a tag to the middle of its cell, metres north and west."""
-    return 0.5 - (phase & 15) / 16.0 * CELL_M, 0.5 - (phase >> 4) / 16.0 * CELL_M
+    cell_m = cell_of(phase)
+    return (0.5 - (phase & 15) / 16.0) * cell_m, (0.5 - (phase >> 4 & 15) / 16.0) * cell_m
 
 
-def phase_of(x_m: float, y_m: float, lattice_m: tuple[float, float]) -> int:
-    """Return the phase of a tag at a place on a lattice of which a corner is given, both in one frame."""
-    x, y = (round((a - b) / CELL_M % 1.0 * 16) % 16 for a, b in zip((x_m, y_m), lattice_m, strict=True))
-    return x | y << 4
+def centred_phase(cell_m: float) -> int:
+    """Return the phase of a tag in the middle of a cell of such a side."""
+    return phase_of(0.0, 0.0, (-cell_m / 2.0, -cell_m / 2.0), cell_m)
+
+
+def cell_of(phase: int) -> float:
+    """Return the side of the cells of a lattice, metres."""
+    return CELLS_M[phase >> 8]
+
+
+def phase_of(x_m: float, y_m: float, lattice_m: tuple[float, float], cell_m: float = CELLS_M[0]) -> int:
+    """Return the phase of a tag at a place on a lattice of which a corner is given, both in one frame.
+
+    Raises:
+        ValueError: there are no such cells.
+    """
+    x, y = (round((a - b) / cell_m % 1.0 * 16) % 16 for a, b in zip((x_m, y_m), lattice_m, strict=True))
+    return x | y << 4 | CELLS_M.index(cell_m) << 8
 
 
 def places_of(held: NDArray[np.bool_], cell_m: float) -> Array:

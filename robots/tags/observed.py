@@ -10,7 +10,6 @@ from robots.exploration.frontiers import edges_of
 from robots.planning.plan_grid import UNKNOWN, PlanGrid
 from robots.se2 import Array
 from robots.tags.memory import (
-    CELL_M,
     CENTRED,
     CLOSED,
     OPEN,
@@ -19,6 +18,7 @@ from robots.tags.memory import (
     VISITED_M,
     VISITED_REACH,
     TagMemory,
+    cell_of,
     shift_of,
 )
 from robots.tags.window import no_cells, resized, trimmed
@@ -47,9 +47,10 @@ def observed_memory(
         return TagMemory.empty()
     edge = edges_of(grid, min_frontier_m) if edge is None else edge
     shift = shift_of(phase)
-    x_edges = _edges(tag_x + shift[0], grid.origin[0], grid.cell_m)
-    y_edges = _edges(tag_y + shift[1], grid.origin[1], grid.cell_m)
-    least = _KNOWN_SHARE * (CELL_M / grid.cell_m) ** 2
+    cell_m = cell_of(phase)
+    x_edges = _edges(tag_x + shift[0], grid.origin[0], grid.cell_m, cell_m)
+    y_edges = _edges(tag_y + shift[1], grid.origin[1], grid.cell_m, cell_m)
+    least = _KNOWN_SHARE * (cell_m / grid.cell_m) ** 2
     told = no_cells() if told is None else told
     cells = _states(grid.cells, edge, x_edges, y_edges, least, resized(told, SIDE))
     return TagMemory(trimmed(cells), phase=phase if cells.any() else CENTRED)
@@ -79,10 +80,10 @@ def _entered(trail: Array, x: float, y: float) -> NDArray[np.uint8]:
     return cells
 
 
-def _edges(middle: float, origin: float, cell_m: float) -> NDArray[np.int64]:
+def _edges(middle: float, origin: float, grid_m: float, cell_m: float) -> NDArray[np.int64]:
     """Return where the cells of a window begin and end along an axis, (SIDE + 1,), in cells of the grid."""
     edges: NDArray[np.int64] = np.rint(
-        (middle + (np.arange(SIDE + 1) - REACH - 0.5) * CELL_M - origin) / cell_m
+        (middle + (np.arange(SIDE + 1) - REACH - 0.5) * cell_m - origin) / grid_m
     ).astype(np.int64)
     return edges
 

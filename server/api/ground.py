@@ -8,7 +8,6 @@ from urllib.parse import quote
 from fastapi import APIRouter, Header
 from fastapi.responses import Response
 
-from robots.tags.memory import CELL_M
 from server.api.common import ERRORS, READS, OneMission
 from server.api.maps import PNG, picture
 from server.map_image import MapImage
@@ -79,8 +78,8 @@ async def get_memories(mission: OneMission) -> MemoriesOut:
         told = await mission.memories.told(tag["tag_id"])
         if told is not None:
             place = {name: tag[name] for name in ("tag_id", "x_m", "y_m")}
-            tags.append(TagWindowOut(**place, window=told[0]["window"]))
-    return MemoriesOut(cell_m=CELL_M, tags=tags)
+            tags.append(TagWindowOut(**place, cell_m=told[0]["cell_m"], window=told[0]["window"]))
+    return MemoriesOut(tags=tags)
 
 
 def _out(mission_id: str, image: MapImage, png: str) -> MapOut:

@@ -6,7 +6,7 @@ from typing import Any
 
 from fastapi import APIRouter, Request, Response
 
-from robots.tags.memory import CELL_M, TagMemoryError
+from robots.tags.memory import CELLS_M, TagMemoryError
 from server.api.common import ERRORS, READS, OneMission, RobotOrOperator
 from server.errors import ApiError, unknown
 from server.mission.mission import Mission
@@ -75,8 +75,8 @@ async def get_memory_content(tag_id: str, mission: OneMission) -> MemoryOut:
         if mission.board.get(f"tag/{tag_id}") is None and mission.board.get(f"node/{tag_id}") is None:
             raise unknown("tag", tag_id)
         sentences = ["Nobody has read or written its memory yet."]
-        return MemoryOut(tag_id=tag_id, cell_m=CELL_M, memory=None, sentences=sentences)
-    return MemoryOut(tag_id=tag_id, cell_m=CELL_M, memory=told[0], sentences=told[1])
+        return MemoryOut(tag_id=tag_id, cell_m=CELLS_M[0], memory=None, sentences=sentences)
+    return MemoryOut(tag_id=tag_id, cell_m=told[0]["cell_m"], memory=told[0], sentences=told[1])
 
 
 @router.post(

@@ -37,6 +37,7 @@ class TagWindowOut(Wire):
     tag_id: str
     x_m: float
     y_m: float
+    cell_m: float = Field(description="Side of a cell.")
     window: list[str] = Field(
         description="One text a row, north first and west to the left, the tag in the middle: `.` not seen,"
         " `o` covered with an open edge, `#` covered."
@@ -46,5 +47,4 @@ class TagWindowOut(Wire):
 class MemoriesOut(Wire):
     """What all tags' memories say of the ground."""
 
-    cell_m: float = Field(description="Side of a cell.")
     tags: list[TagWindowOut]

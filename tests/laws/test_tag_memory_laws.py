@@ -45,7 +45,7 @@ def memories(draw):
         Notes(tuple(draw(st.lists(notes, max_size=6)))).merge(Notes()),
         merged_marks(*draw(st.lists(passes, max_size=8))),
         visited * np.uint8(draw(st.booleans())),
-        draw(st.sampled_from([CENTRED, 0, 7, 255])) if cells.any() else CENTRED,
+        draw(st.sampled_from([CENTRED, 0, 7, 255, 0x188, 0x207])) if cells.any() else CENTRED,
     )
 
 

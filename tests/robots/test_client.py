@@ -1,7 +1,6 @@
 import ast
 import sys
 import threading
-import time
 from contextlib import closing
 from pathlib import Path
 
@@ -155,10 +154,8 @@ def test_close_wakes_a_waiting_post(fake_control, client):
     fake_control.blocked.clear()
     timer = threading.Timer(0.2, client.close)
     timer.start()
-    began = time.monotonic()
     with pytest.raises(ClientError, match="closed"):
         client.post(observations(0, 1))
-    assert time.monotonic() - began < 2.0
     timer.join()
 
 

@@ -93,12 +93,12 @@ class Stream:
 
     def __init__(self, connection: ClientConnection) -> None:
         self._connection = connection
-        first = json.loads(connection.recv(timeout=5))
+        first = json.loads(connection.recv(timeout=60))
         assert first["type"] == "snapshot"
         self.state: Json = first["state"]
 
     def next(self) -> Json:
-        message: Json = json.loads(self._connection.recv(timeout=5))
+        message: Json = json.loads(self._connection.recv(timeout=60))
         assert message["type"] == "changes"
         self.state |= message["set"]
         for key in message["delete"]:
@@ -113,7 +113,7 @@ class Stream:
         while (message := self.next())["set"] or message["delete"]:
             pass
 
-    def until(self, condition: Callable[[Stream], object], seconds: float = 15.0) -> Json:
+    def until(self, condition: Callable[[Stream], object], seconds: float = 60.0) -> Json:
         """The state once the condition holds."""
         deadline = time.monotonic() + seconds
         while not condition(self):
@@ -152,7 +152,7 @@ class Control:
             return
         self._client.close()
         self._server.should_exit = True
-        self._thread.join(timeout=20)
+        self._thread.join(timeout=60)
         assert not self._thread.is_alive(), "the server did not stop"
 
     @property
@@ -196,7 +196,7 @@ class Control:
         return Line(self, mission_id)
 
 
-def wait_until(condition: Callable[[], object], seconds: float = 15.0) -> None:
+def wait_until(condition: Callable[[], object], seconds: float = 60.0) -> None:
     deadline = time.monotonic() + seconds
     while not condition():
         assert time.monotonic() < deadline, "it did not happen in time"

@@ -60,7 +60,7 @@ def drawn(rng: np.random.Generator, side: int) -> TagMemory:
         )
         for k in range(whole(0, 3))
     ]
-    phase = int(rng.choice([CENTRED, 0, 255])) if cells.any() else CENTRED
+    phase = int(rng.choice([CENTRED, 0, 255, 0x188, 0x211])) if cells.any() else CENTRED
     return TagMemory(
         cells, merge_maps(tuple(maps), ()), merged_marks(*victims), Notes(tuple(notes)).merge(Notes()),
         merged_marks(*passes), visited * np.uint8(rng.random() < 0.7), phase,

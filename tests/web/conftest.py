@@ -15,7 +15,7 @@ import httpx
 import pytest
 import uvicorn
 from fastapi import FastAPI
-from playwright.sync_api import Browser, BrowserContext, Page, sync_playwright
+from playwright.sync_api import Browser, BrowserContext, Page, expect, sync_playwright
 
 from robots.sim.wire import observation_to_wire
 from server.app import create_app
@@ -28,6 +28,9 @@ FLAGS = [
     "--ignore-gpu-blocklist", "--disable-background-networking", "--disable-component-update",
     "--disable-default-apps", "--disable-sync", "--no-first-run",
 ]  # fmt: skip
+
+
+expect.set_options(timeout=30_000)  # five seconds are too few where a machine does other things, too
 
 
 class _Server:
@@ -48,7 +51,7 @@ class _Server:
 
     def stop(self) -> None:
         self.server.should_exit = True
-        self.thread.join(timeout=10)
+        self.thread.join(timeout=60)
         self.socket.close()
         assert not self.thread.is_alive(), "the server did not stop"
 

@@ -29,7 +29,7 @@ class Field:
 
     @property
     def api(self) -> httpx.Client:
-        return httpx.Client(base_url=f"{self.home}/api/v1/missions/drill", timeout=30)
+        return httpx.Client(base_url=f"{self.home}/api/v1/missions/drill", timeout=90)
 
 
 def drive(host: str, log: Any, **headers: str) -> Field:

@@ -40,7 +40,7 @@ class SmallRobot:
 
     def stop(self) -> None:
         self.over.set()
-        self.thread.join(timeout=20)
+        self.thread.join(timeout=60)
 
     def _run(self) -> None:
         try:

@@ -17,7 +17,7 @@ from tests.web.axe import Audit
 from tests.web.driven import drive
 
 pytestmark = pytest.mark.browser
-SOON_MS = 15_000
+SOON_MS = 60_000
 
 
 @pytest.fixture

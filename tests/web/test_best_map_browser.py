@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import re
 import signal
-import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -22,12 +21,13 @@ from robots.sim.simulation import Order, Simulation
 from robots.sim.wire import observation_to_wire
 from server.app import create_app
 from server.settings import Settings
+from tests.held import best_maps_held
 
 pytestmark = pytest.mark.browser
 
 MISSION = "drill"
 AT = f"/api/v1/missions/{MISSION}"
-SOON_MS = 30_000
+SOON_MS = 60_000
 SOLVED_MS = 120_000  # of low priority, on a machine that has other things to do
 BATCHES, LATER = 60, 60
 
@@ -57,7 +57,7 @@ def host(serve: Callable[[FastAPI], str], app: FastAPI) -> str:
 
 @pytest.fixture
 def client(host: str) -> Iterator[httpx.Client]:
-    with httpx.Client(base_url=f"http://{host}", timeout=60) as client:
+    with httpx.Client(base_url=f"http://{host}", timeout=90) as client:
         client.post("/api/v1/missions", json={"name": "Drill", "mission_id": MISSION}).raise_for_status()
         yield client
 
@@ -130,7 +130,7 @@ def test_the_best_map_takes_the_live_ones_place_and_gives_it_back(
 
 
 def test_there_being_none_is_said_and_a_failure_too(
-    browser: Browser, client: httpx.Client, host: str, app: FastAPI, wires: Any
+    browser: Browser, client: httpx.Client, host: str, wires: Any
 ) -> None:
     page = browser.new_page(viewport={"width": 1280, "height": 800})
     try:
@@ -144,13 +144,9 @@ def test_there_being_none_is_said_and_a_failure_too(
 
         client.post(f"{AT}/robots", json={"robot_id": "r1"}).raise_for_status()
         send(client, wires[:5])
-        mission = app.state.missions.get(MISSION)
-        best.click()
-        deadline_s = time.monotonic() + SOON_MS / 1000.0
-        while mission.best_map.pid is None:
-            assert time.monotonic() < deadline_s, "no process makes the best map"
-        pid = mission.best_map.pid
-        os.kill(pid, signal.SIGSTOP)  # held, so that there is something to be seen
+        with best_maps_held() as held:
+            best.click()
+            pid = held.get(timeout=60.0)
         expect(words).to_contain_text("Solving", timeout=SOON_MS)
         os.kill(pid, signal.SIGKILL)
         expect(words).to_contain_text("Solving failed", timeout=SOON_MS)

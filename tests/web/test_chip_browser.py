@@ -23,7 +23,7 @@ from web.mount import mount_web
 
 KEY, TAG = b"mission", "A4"
 LINK = f"https://usar.example/t/{TAG}"
-SOON_MS = 15_000
+SOON_MS = 60_000
 STUB = """
 globalThis.NDEFReader = class {
   async scan() { globalThis.nfc = this; }

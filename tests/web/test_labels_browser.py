@@ -15,7 +15,7 @@ from server.settings import Settings
 from tests.web.conftest import Serve
 
 pytestmark = pytest.mark.browser
-SOON_MS = 15_000
+SOON_MS = 60_000
 
 # a crowd of names that move as robots do: every frame a few pixels, with noise
 CROWD = """async ({ seed, count, width, frames, step }) => {
@@ -66,7 +66,7 @@ def home(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
     """A mission in which people have written a lot on a small spot."""
     serve = Serve()
     host = serve(create_app(Settings(data_dir=tmp_path_factory.mktemp("names"), login="off")))
-    with httpx.Client(base_url=f"http://{host}", timeout=60) as client:
+    with httpx.Client(base_url=f"http://{host}", timeout=90) as client:
         client.post("/api/v1/missions", json={"name": "Drill", "mission_id": "drill"}).raise_for_status()
         for k in range(30):
             kind = "hazard" if k == 14 else "note"

@@ -18,7 +18,7 @@ from server.settings import Settings
 from tests.server.markings.states import sectors
 
 pytestmark = pytest.mark.browser
-SOON_MS = 15_000
+SOON_MS = 60_000
 DRAW = """async (told) => {
   const own = OWN;
   const [{ victimMarkings, markingWords }, { worksiteMarkings }] =
@@ -49,7 +49,7 @@ def test_console_and_report_draw_the_same_and_a_worksite_is_marked(
     browser: Browser, serve: Any, tmp_path: Any
 ) -> None:
     host = serve(create_app(Settings(data_dir=tmp_path, login="off")))
-    with httpx.Client(base_url=f"http://{host}/api/v1", timeout=60) as client:
+    with httpx.Client(base_url=f"http://{host}/api/v1", timeout=90) as client:
         client.post("/missions", json={"name": "Mine"}).raise_for_status()
         area = [[-2.0, -2.0], [4.0, -2.0], [4.0, 3.0], [-2.0, 3.0]]
         sector = "/missions/mine/sectors/5e0f6c1e-0000-4000-8000-000000000001"

@@ -16,7 +16,7 @@ from server.app import create_app
 from server.settings import Settings
 
 pytestmark = pytest.mark.browser
-SOON_MS = 15_000
+SOON_MS = 60_000
 
 
 @pytest.fixture
@@ -26,7 +26,7 @@ def host(serve: Callable[[FastAPI], str], tmp_path: Path) -> str:
 
 @pytest.fixture
 def client(host: str) -> Iterator[httpx.Client]:
-    with httpx.Client(base_url=f"http://{host}/api/v1", timeout=30) as client:
+    with httpx.Client(base_url=f"http://{host}/api/v1", timeout=90) as client:
         yield client
 
 

@@ -42,7 +42,7 @@ def packages(tmp_path: Path) -> Path:
 def client(packages: Path, serve: Callable[[FastAPI], str]) -> Iterator[httpx.Client]:
     app = FastAPI()
     mount_web(app, node_modules=packages)
-    with httpx.Client(base_url=f"http://{serve(app)}", timeout=60) as client:
+    with httpx.Client(base_url=f"http://{serve(app)}", timeout=90) as client:
         yield client
 
 

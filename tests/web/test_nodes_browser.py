@@ -17,7 +17,7 @@ from server.settings import Settings
 pytestmark = pytest.mark.browser
 
 AT = "/api/v1/missions/drill"
-SOON_MS = 30_000
+SOON_MS = 60_000
 
 
 class Hearing:
@@ -57,7 +57,7 @@ def host(serve: Callable[[FastAPI], str], tmp_path: Path) -> str:
 
 @pytest.fixture
 def hearing(host: str) -> Iterator[Hearing]:
-    with httpx.Client(base_url=f"http://{host}", timeout=30) as client:
+    with httpx.Client(base_url=f"http://{host}", timeout=90) as client:
         yield Hearing(client)
 
 

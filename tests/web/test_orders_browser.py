@@ -17,7 +17,7 @@ from server.settings import Settings
 
 pytestmark = pytest.mark.browser
 
-SOON_MS = 30_000
+SOON_MS = 60_000
 
 
 class Waiting:

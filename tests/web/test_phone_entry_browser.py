@@ -18,7 +18,7 @@ from server.labels import Sheet, sheets
 from tests.web.camera_film import write_film
 from tests.web.conftest import CHROMIUM
 
-SOON_MS = 15_000
+SOON_MS = 60_000
 PHONE = {"width": 390, "height": 844}
 
 

@@ -9,7 +9,7 @@ from playwright.sync_api import Page, expect
 
 from tests.web.field import Field
 
-SOON_MS = 15_000
+SOON_MS = 60_000
 FAR_DOWN = "scrollTo({ top: document.documentElement.scrollHeight, behavior: 'instant' })"
 
 

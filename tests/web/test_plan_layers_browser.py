@@ -15,7 +15,7 @@ from server.settings import Settings
 from tests.web.driven import drive
 
 pytestmark = pytest.mark.browser
-SOON_MS = 30_000
+SOON_MS = 60_000
 ZOOM = 0.75  # of a doubling, by the button
 
 

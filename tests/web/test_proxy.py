@@ -82,7 +82,7 @@ def site(serve: Callable[[FastAPI], str]) -> Site:
     app = FastAPI(lifespan=lifespan)
     mount_web(app, (scenes, lambda connection, mission_id: asyncio.Event()))
     host = serve(app)
-    deadline = time.monotonic() + 10
+    deadline = time.monotonic() + 60.0
     while scenes.port("m1") is None:
         assert time.monotonic() < deadline, "the server did not start"
         time.sleep(0.01)

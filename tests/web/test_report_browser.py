@@ -22,7 +22,7 @@ HOSTILE = "</script><script>window.hacked = 1</script><img src=x onerror='window
 
 def test_a_report_plays_and_prints(browser: Browser, serve: Callable[[FastAPI], str], tmp_path: Path) -> None:
     host = serve(create_app(Settings(data_dir=tmp_path, login="off")))
-    with httpx.Client(base_url=f"http://{host}/api/v1", timeout=60) as client:
+    with httpx.Client(base_url=f"http://{host}/api/v1", timeout=90) as client:
         client.post("/missions", json={"name": HOSTILE, "mission_id": "m"}).raise_for_status()
         robot = RobotClient(f"http://{host}", "m", "r1", patience_s=60.0)
         robot.register(start_pose={"x_m": 0.0, "y_m": 0.0, "yaw_rad": 0.0, "sd_m": 0.05, "sd_rad": 0.01})

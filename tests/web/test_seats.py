@@ -76,7 +76,7 @@ class House:
 def house(serve: Callable[[FastAPI], str]) -> House:
     house = House()
     house.host = serve(house.app())
-    deadline = time.monotonic() + 10
+    deadline = time.monotonic() + 60.0
     while len(house.seats) < 2:
         assert time.monotonic() < deadline, "the server did not start"
         time.sleep(0.01)

@@ -14,7 +14,7 @@ from server.app import create_app
 from server.settings import Settings
 
 pytestmark = pytest.mark.browser
-SOON_MS = 15_000
+SOON_MS = 60_000
 
 
 @pytest.fixture
@@ -33,7 +33,7 @@ def page(browser: Browser) -> Iterator[Page]:
 
 
 def test_a_sector_is_drawn_assigned_judged_and_opened_again(page: Page, host: str) -> None:
-    with httpx.Client(base_url=f"http://{host}/api/v1", timeout=30) as client:
+    with httpx.Client(base_url=f"http://{host}/api/v1", timeout=90) as client:
         client.post("/missions", json={"name": "Mine"}).raise_for_status()
         page.goto(f"http://{host}/console")
         page.get_by_role("button", name="Sectors").click(timeout=SOON_MS)

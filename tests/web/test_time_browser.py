@@ -18,7 +18,7 @@ from tests.web.small_robot import MISSION, SmallRobot
 
 pytestmark = pytest.mark.browser
 
-SOON_MS = 30_000
+SOON_MS = 60_000
 AT = f"/api/v1/missions/{MISSION}"
 KNOWN = """() => [...document.querySelectorAll('canvas.building')].map((canvas) => {
   const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
@@ -35,7 +35,7 @@ EXPLORED = """() => Number([...document.querySelectorAll('.bar-figure')]
 def drill(serve: Callable[[FastAPI], str], tmp_path: Path) -> Iterator[tuple[httpx.Client, float]]:
     """A mission where a robot drove and saw a victim, a person told of gas, and a moment before that."""
     host = serve(create_app(Settings(data_dir=tmp_path, login="off", reply_s=60.0)))
-    with httpx.Client(base_url=f"http://{host}", timeout=60) as client:
+    with httpx.Client(base_url=f"http://{host}", timeout=90) as client:
         client.post("/api/v1/missions", json={"name": "Drill", "mission_id": MISSION}).raise_for_status()
         robot = SmallRobot(client, "r1")
         eventually(lambda: client.get(f"{AT}/map").is_success and _driven_m(client) > 0.3)
@@ -51,7 +51,7 @@ def drill(serve: Callable[[FastAPI], str], tmp_path: Path) -> Iterator[tuple[htt
 
 
 def eventually(condition: Callable[[], object]) -> None:
-    deadline = time.monotonic() + 60
+    deadline = time.monotonic() + 60.0
     while not condition():
         assert time.monotonic() < deadline, "it did not happen in time"
         time.sleep(0.2)

@@ -16,7 +16,7 @@ from server.settings import Settings
 from tests.web.driven import drive
 
 pytestmark = pytest.mark.browser
-SOON_MS = 15_000
+SOON_MS = 60_000
 
 
 HEARD = """
@@ -158,7 +158,7 @@ WINDOW_DRAWN = """async () => {
   const { drawMemories } = await import("/static/console/ground.js");
   const ctx = Object.assign(document.createElement("canvas"), { width: 100, height: 100 }).getContext("2d");
   const view = { scale: 10, toX: (x_m) => 50 + 10 * x_m, toY: (y_m) => 50 - 10 * y_m };
-  drawMemories(ctx, view, { cell_m: 1, tags: [{ x_m: 1, y_m: 0, window: [".#.", "...", "o.."] }] });
+  drawMemories(ctx, view, { tags: [{ x_m: 1, y_m: 0, cell_m: 1, window: [".#.", "...", "o.."] }] });
   return [[70, 50], [60, 40], [50, 40], [50, 60]].map(([x, y]) => ctx.getImageData(x, y, 1, 1).data[3] > 0);
 }"""
 

@@ -90,7 +90,7 @@ def test_what_is_selected_is_marked_in_3d_and_what_is_clicked_there_is_selected(
     browser: Browser, drill: dict[str, Any]
 ) -> None:
     tag = drill["tags"][0]
-    with httpx.Client(base_url=f"http://{drill['host']}/api/v1", timeout=30) as client:
+    with httpx.Client(base_url=f"http://{drill['host']}/api/v1", timeout=90) as client:
         write_on(client, "/missions/drill", tag)
         place = client.get(f"/missions/drill/tags/{tag}").json()
     x_m, y_m = place["x_m"], place["y_m"]

@@ -22,7 +22,7 @@ from robots.exploration.frontiers import Frontier
 from robots.exploration.strategy import ExplorationView, ways_of
 from robots.planning.plan_grid import UNKNOWN, PlanGrid
 from robots.se2 import Array
-from robots.tags.memory import CELL_M, VISITED_M
+from robots.tags.memory import VISITED_M
 
 NEAREST_M = VISITED_M
 
@@ -98,7 +98,7 @@ def is_foreign(view: ExplorationView, told: Array) -> Array:
     if len(told) == 0:
         return np.zeros(len(view.frontiers))
     apart = np.abs(places_of_frontiers(view)[:, None] - told[None]).max(axis=2)
-    k: Array = (apart <= CELL_M / 2.0).any(axis=1).astype(np.float64)
+    k: Array = (apart <= view.settings.tag_cell_m / 2.0).any(axis=1).astype(np.float64)
     return k
 
 
@@ -110,21 +110,21 @@ def foreign_frontiers(view: ExplorationView) -> tuple[Frontier, ...]:
     grid = view.grid
     if grid is None or not view.frontiers:
         return ()
-    found = []
-    for x, y in np.unique(np.rint(told_frontiers(view) / CELL_M), axis=0) * CELL_M:
-        if knows_all_round(grid, float(x), float(y)):
+    found, cell_m = [], view.settings.tag_cell_m
+    for x, y in np.unique(np.rint(told_frontiers(view) / cell_m), axis=0) * cell_m:
+        if knows_all_round(grid, float(x), float(y), cell_m):
             continue
         ways = [f.cost_m + hypot(f.goal_m[0] - x, f.goal_m[1] - y) for f in view.frontiers]
         by = int(np.argmin(ways))
         own = view.frontiers[by]
-        found.append(Foreign(own.goal, own.goal_m, CELL_M, ways[by], (float(x), float(y))))
+        found.append(Foreign(own.goal, own.goal_m, cell_m, ways[by], (float(x), float(y))))
     return tuple(found)
 
 
-def knows_all_round(grid: PlanGrid, x: float, y: float) -> bool:
-    """Say whether the map knows every cell of the square metre round a point."""
-    low, left = grid.cell_of(x - CELL_M / 2.0, y - CELL_M / 2.0)
-    high, right = (start + floor(CELL_M / grid.cell_m) for start in (low, left))
+def knows_all_round(grid: PlanGrid, x: float, y: float, cell_m: float = 1.0) -> bool:
+    """Say whether the map knows every cell of the square of such a side round a point."""
+    low, left = grid.cell_of(x - cell_m / 2.0, y - cell_m / 2.0)
+    high, right = (start + floor(cell_m / grid.cell_m) for start in (low, left))
     rows, columns = grid.cells.shape
     if low < 0 or left < 0 or high > rows or right > columns:
         return False

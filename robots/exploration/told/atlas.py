@@ -13,15 +13,14 @@ from numba import njit
 from numpy.typing import NDArray
 
 from robots.exploration.told.claims import KnownTag
-from robots.exploration.told.survey import LATTICE_M, Survey
+from robots.exploration.told.survey import LATTICE_M, Survey, fine_cells
 from robots.planning.plan_grid import FREE, OCCUPIED, UNKNOWN, PlanGrid
 from robots.se2 import Array
-from robots.tags.memory import CELL_M, CLOSED, OPEN, UNSEEN, TagMemory
+from robots.tags.memory import CLOSED, OPEN, UNSEEN, TagMemory
 
 Cells = NDArray[np.uint8]
 Place = tuple[float, float]
 Box = tuple[int, int, int, int]  # first row and column of the lattice, and those after the last
-_PER_CELL = round(CELL_M / LATTICE_M)
 _MARGIN = 40  # cells by which it grows
 _KNOWN_SHARE = 0.5
 _EDGE_M = 0.24  # of the end of free ground, or of a wall
@@ -106,8 +105,8 @@ class Atlas:
         return known is not None and max(np.abs(np.subtract(known[1], tag.place_m))) > _MOVED_M
 
     def _draw(self, memory: TagMemory, place: Place) -> None:
-        fine = np.repeat(np.repeat(memory.cells.T, _PER_CELL, axis=0), _PER_CELL, axis=1)  # rows along y
-        half, (north, west) = memory.side / 2.0 * CELL_M, memory.shift_m
+        fine = fine_cells(memory)
+        half, (north, west) = memory.side / 2.0 * memory.cell_m, memory.shift_m
         row, column = (round((v - half) / LATTICE_M) for v in (place[1] + west, place[0] + north))
         self._put("_told", fine, row, column)
 

@@ -17,15 +17,15 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from robots.exploration.told.shade import shaded
-from robots.exploration.told.survey import LATTICE_M, Survey
+from robots.exploration.told.survey import LATTICE_M, Survey, fine_cells
 from robots.planning.plan_grid import UNKNOWN, PlanGrid
 from robots.se2 import Array
-from robots.tags.memory import CELL_M, CLOSED, TagMemory
+from robots.tags.memory import CLOSED, TagMemory
 
 FROM_AFAR_M = 1.5  # a tag read from so far was read before the robot drove where its writer did
 _SURE_SD = 2.0  # deviations of a tag's place that what it says has to hold for, to be believed
-_PER_CELL = round(CELL_M / LATTICE_M)
 _SAME_VICTIM_M = 1.0  # a first heat reading is off by so much
+_SURE_OF_VICTIM = 0.4 * 255  # less sure, a warm spot there is looked into all the same
 PlaceOf = Callable[[str], tuple[float, float] | None]  # of a tag in the map frame, None where unknown
 
 
@@ -104,12 +104,13 @@ class Claims:
         return tuple(found)
 
     def victims(self, place_of: PlaceOf) -> tuple[ToldVictim, ...]:
-        """Return the victims that tags tell of, as the tags lie now."""
+        """Return the victims that tags are sure of, as the tags lie now."""
         return tuple(
             ToldVictim(tag.place_m[0] + 0.1 * mark.north_dm, tag.place_m[1] + 0.1 * mark.west_dm, within_m)
             for tag in self.tags(place_of)
             for within_m in (_SAME_VICTIM_M + _SURE_SD * self._sds_m[tag.tag_id],)
             for mark in tag.memory.victims
+            if mark.confidence >= _SURE_OF_VICTIM
         )
 
     def survey(self, grid: PlanGrid, tags: Sequence[KnownTag]) -> Survey:
@@ -132,7 +133,8 @@ class Claims:
                 rings = ceil(_SURE_SD * sds_m[tag.tag_id] / LATTICE_M - 1e-9)
                 _draw(claimed, _eroded(drawn.fine, rings), row, column)
         doubtful = (whole == CLOSED) & (claimed != CLOSED)
-        shade = shaded(whole, unknown, self.reach_m >= FROM_AFAR_M)
+        cell_m = max((tag.memory.cell_m for tag in tags), default=1.0)
+        shade = shaded(whole, unknown, self.reach_m >= FROM_AFAR_M, cell_m)
         goals = np.concatenate(promised) if promised else np.zeros((0, 2))
         return Survey(unknown, claimed, grid.origin, goals, doubtful, shade)
 
@@ -142,13 +144,10 @@ class Claims:
         if drawn is not None and drawn.tag is tag and drawn.own == self.own:
             return drawn
         memory = tag.memory
-        if drawn is not None and drawn.tag.memory is memory:
-            fine = drawn.fine
-        else:
-            fine = np.repeat(np.repeat(memory.cells.T, _PER_CELL, axis=0), _PER_CELL, axis=1)
+        fine = drawn.fine if drawn is not None and drawn.tag.memory is memory else fine_cells(memory)
         offsets = [goal for p in memory.passes if p.key != self.own and (goal := p.goal_m) is not None]
         promised = np.array(offsets).reshape(-1, 2) + np.array(tag.place_m)
-        half, (north, west) = memory.side / 2.0 * CELL_M, memory.shift_m
+        half, (north, west) = memory.side / 2.0 * memory.cell_m, memory.shift_m
         first_m = tag.place_m[0] + north - half, tag.place_m[1] + west - half
         self._drawn[tag.tag_id] = drawn = _Drawn(tag, self.own, fine, first_m, promised)
         return drawn

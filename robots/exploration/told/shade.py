@@ -13,14 +13,15 @@ from scipy import ndimage
 
 from robots.exploration.told.survey import LATTICE_M
 from robots.se2 import Array
-from robots.tags.memory import CELL_M, CLOSED, UNSEEN
+from robots.tags.memory import CLOSED, UNSEEN
 
-_STRIP = round(CELL_M / LATTICE_M)  # a cell of coverage is covered from a quarter on
 _PIECE_M2 = 3.0
 _ROUND = np.ones((3, 3), bool)
 
 
-def shaded(claimed: NDArray[np.uint8], unknown: Array, from_afar: bool) -> NDArray[np.bool_]:
+def shaded(
+    claimed: NDArray[np.uint8], unknown: Array, from_afar: bool, cell_m: float = 1.0
+) -> NDArray[np.bool_]:
     """Return which cells are not worth going to, (r, c).
 
     Args:
@@ -29,11 +30,14 @@ def shaded(claimed: NDArray[np.uint8], unknown: Array, from_afar: bool) -> NDArr
         from_afar: tags are read from afar, so the edges that they tell of are still there: a single open cell
             may be the mouth of the corridor to all the rest. Read under a robot's feet, they tell of edges
             that their writer went to next.
+        cell_m: of the cells that tags tell; each is covered from a quarter on.
     """
     told: NDArray[np.bool_] = claimed == CLOSED
     if not told.any():
         return told
-    shade: NDArray[np.bool_] = (claimed == UNSEEN) & ndimage.binary_dilation(told, _ROUND, _STRIP)
+    shade: NDArray[np.bool_] = (claimed == UNSEEN) & ndimage.binary_dilation(
+        told, _ROUND, round(cell_m / LATTICE_M)
+    )
     left = (unknown > 0.5) & ~told & ~shade
     if from_afar:
         left &= claimed == UNSEEN

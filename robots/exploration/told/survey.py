@@ -10,9 +10,15 @@ from numba import njit
 from numpy.typing import NDArray
 
 from robots.se2 import Array
-from robots.tags.memory import CLOSED
+from robots.tags.memory import CLOSED, TagMemory
 
 LATTICE_M = 0.5
+
+
+def fine_cells(memory: TagMemory) -> NDArray[np.uint8]:
+    """Return a tag's window in cells of the lattice, of which its own are whole numbers; rows along y."""
+    each = round(memory.cell_m / LATTICE_M)
+    return np.repeat(np.repeat(memory.cells.T, each, axis=0), each, axis=1)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -17,7 +17,7 @@ from robots.exploration.frontiers import edges_of
 from robots.planning.plan_grid import PlanGrid
 from robots.se2 import Array
 from robots.tags.marks import VictimMark, goal_mark, merged_marks, victim_mark
-from robots.tags.memory import CELL_M, TagMemory, phase_of
+from robots.tags.memory import TagMemory, cell_of, phase_of
 from robots.tags.observed import observed_memory, visited_window
 from robots.victims import KnownVictim
 
@@ -31,9 +31,10 @@ Place = tuple[float, float]
 class Witness:
     """Of one robot, in its map frame."""
 
-    def __init__(self, robot_id: str, min_frontier_m: float) -> None:
+    def __init__(self, robot_id: str, min_frontier_m: float, cell_m: float = 1.0) -> None:
         self._robot_id = robot_id
         self._min_frontier_m = min_frontier_m
+        self._cell_m = cell_m  # of coverage
         self._corner: Place | None = None  # of a cell of the lattice that this robot found, or began
         self._passes: dict[str, tuple[int, int, float, Place]] = {}  # count, serial, last read, goal
         self._edge: tuple[PlanGrid, NDArray[np.bool_]] | None = None  # of the grid last told of
@@ -41,10 +42,12 @@ class Witness:
     def phase_at(self, place: Place, said: TagMemory) -> int:
         """Return the lattice on which a tag at a place is told: its own, one found elsewhere, or begun."""
         if said.has_coverage:
-            self._corner = self._corner or _corner(place, said.phase)
+            if self._corner is None:
+                self._corner, self._cell_m = _corner(place, said.phase), said.cell_m
             return said.phase
-        self._corner = self._corner or (place[0] - CELL_M / 2.0, place[1] - CELL_M / 2.0)
-        return phase_of(*place, self._corner)
+        half_m = self._cell_m / 2.0
+        self._corner = self._corner or (place[0] - half_m, place[1] - half_m)
+        return phase_of(*place, self._corner, self._cell_m)
 
     def about(
         self,
@@ -107,4 +110,5 @@ def victims_near(victims: Sequence[KnownVictim], place: Place) -> tuple[VictimMa
 
 
 def _corner(place: Place, phase: int) -> Place:
-    return place[0] - (phase & 15) / 16.0 * CELL_M, place[1] - (phase >> 4) / 16.0 * CELL_M
+    cell_m = cell_of(phase)
+    return place[0] - (phase & 15) / 16.0 * cell_m, place[1] - (phase >> 4 & 15) / 16.0 * cell_m

@@ -18,7 +18,7 @@ def shared():
 
 @pytest.fixture(scope="module")
 def capacity():
-    return tag_capacity.measure(OPTIONS, tag_capacity.capacities((512, 2048), (4.0,))[:3])
+    return tag_capacity.measure(OPTIONS, tag_capacity.capacities((512, 2048), (4.0,), (0.5,))[:3])
 
 
 def drawn(experiment, rows, path):
@@ -42,18 +42,18 @@ def test_baselines_have_a_row_for_each_method_and_all_get_there(shared, tmp_path
 def test_every_method_has_a_name_of_its_own_and_can_be_had():
     assert len({name for name, _ in baselines.METHODS}) == len(baselines.METHODS) == 7
     cases = [*tag_capacity.capacities(), *tag_capacity.printed()]
-    assert len({(case.method, case.tag_bits, case.reader_m) for case in cases}) == len(cases)
+    assert len({(c.method, c.tag_bits, c.planning.tag_cell_m, c.reader_m) for c in cases}) == len(cases)
     for case in cases:
         case.config("office:60", 1)  # refuses what no chip or strategy has
 
 
 def test_capacities_are_set_against_no_communication_and_one_map(capacity, tmp_path):
-    assert [(row["method"], row["tag_bits"]) for row in capacity] == [
-        ("none", None),
-        ("full", None),
-        ("waymark", 512),
-        ("waymark", 2048),
-        ("kleiner, tau 2 m", 2048),
+    assert [(row["method"], row["tag_bits"], row["cell_m"]) for row in capacity] == [
+        ("none", None, None),
+        ("full", None, None),
+        ("waymark", 512, 0.5),
+        ("waymark", 2048, 0.5),
+        ("kleiner, tau 2 m", 2048, 0.5),
     ]
     for row in capacity:
         for column in tag_capacity.EXPERIMENT.columns:

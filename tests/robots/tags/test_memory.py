@@ -17,6 +17,7 @@ from robots.tags.memory import (
     UNSEEN,
     TagMemory,
     TagMemoryError,
+    cell_of,
     phase_of,
     shift_of,
 )
@@ -108,16 +109,18 @@ def test_a_place_that_was_left_and_entered_again_was_visited_twice():
     assert not visited_window(np.array([(50.0, 0.0)]), 0.0, 0.0).any()
 
 
-@pytest.mark.parametrize("phase", [0, 0x88, 0xFF, 0x3C])
+@pytest.mark.parametrize("phase", [0, 0x88, 0xFF, 0x3C, 0x188, 0x1C3, 0x288, 0x23C])
 def test_tags_of_one_lattice_tell_of_the_same_cells(phase):
     rng = np.random.default_rng(7)
     cells = np.where(rng.random((400, 400)) < 0.6, FREE, UNKNOWN).astype(np.uint8)
-    corner = shift_of(phase)[0] - 0.5, shift_of(phase)[1] - 0.5  # of the cell of a tag at (0, 0)
-    assert phase_of(0.0, 0.0, corner) == phase
+    cell_m = cell_of(phase)
+    corner = tuple(shift - cell_m / 2.0 for shift in shift_of(phase))  # of the cell of a tag at (0, 0)
+    assert phase_of(0.0, 0.0, corner, cell_m) == phase
     near = observed_memory(grid_of(cells), 0.0, 0.0, phase)
-    far = observed_memory(grid_of(cells), 3.25, -1.5, phase_of(3.25, -1.5, corner))
-    offset = np.rint(np.array((3.25, -1.5)) + far.shift_m - near.shift_m)
-    np.testing.assert_allclose(offset, np.array((3.25, -1.5)) + far.shift_m - near.shift_m, atol=1e-9)
+    far = observed_memory(grid_of(cells), 3.25, -1.5, phase_of(3.25, -1.5, corner, cell_m))
+    apart = (np.array((3.25, -1.5)) + far.shift_m - near.shift_m) / cell_m
+    offset = np.rint(apart)
+    np.testing.assert_allclose(offset, apart, atol=1e-9)
     north, west = offset.astype(int)
     a, b = resized(near.cells, SIDE), np.roll(resized(far.cells, SIDE), (north, west), (0, 1))
     np.testing.assert_array_equal(a[10:-10, 10:-10], b[10:-10, 10:-10])
@@ -143,7 +146,9 @@ def test_the_bytes_are_what_follows_then_phase_reach_box_and_five_cells_each():
     [
         (b"\x01", "begins with 64 to 127; this one with 1"),
         (b"\x50", "ends after 1 bytes"),
-        (bytes([0x50, 0x88, 67]), "reaches 32 cells"),
+        (bytes([0x50, 0x88, 67]), "reaches -1 cells"),
+        (bytes([0x50, 0x88, 198]), "a size 3 that does not exist"),
+        (bytes([0x48, 66]), "a size 1 that does not exist"),
         (bytes([0x50, 0x88, 64]), "reaches 31 cells"),
         (bytes([0x50, 0x88, 5, 255]), "no such box"),
         (encode_memory(square(5))[:-1], "it ends after"),

@@ -13,7 +13,7 @@ from PIL import Image
 
 from robots.se2 import Pose2
 from robots.team import StartPose, TeamMap
-from server.agents.best_servant import NICENESS
+from tests.held import best_maps_held
 
 
 def state(stream):
@@ -30,12 +30,11 @@ def ended(line):
 
 @contextmanager
 def caught(line, wait_until):
-    """The process that makes a best map, held in the middle of it."""
-    assert line.call("POST", "/best-map").status_code == 202
-    wait_until(lambda: best(line).pid is not None)
-    pid = best(line).pid
-    wait_until(lambda: psutil.Process(pid).nice() == NICENESS)  # it has begun
-    os.kill(pid, signal.SIGSTOP)
+    """The process that makes a best map, held as soon as it is there."""
+    with best_maps_held() as held:
+        assert line.call("POST", "/best-map").status_code == 202
+        pid = held.get(timeout=60.0)
+        wait_until(lambda: best(line).pid == pid)
     yield pid
     if psutil.pid_exists(pid):
         os.kill(pid, signal.SIGCONT)

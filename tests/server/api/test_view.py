@@ -23,23 +23,23 @@ def page(line, key):
 def test_a_seat_is_there_as_long_as_its_socket_and_takes_the_wishes(driven, wait_until):
     scenes = driven.control._app.state.scenes
     with view(driven) as socket:
-        key = json.loads(socket.recv(timeout=10))["scene"]
+        key = json.loads(socket.recv(timeout=60))["scene"]
         assert key == f"driven@{SEAT}"
         assert page(driven, key) == 200
         socket.send(json.dumps({"selected": ["tag", "A1"], "follows": True, "centred": 2}))
         wait_until(lambda: scenes._seats[key].wish == Wish(("tag", "A1"), True, 2))
         scenes._seats[key].click(("robot", "r1"))
-        assert json.loads(socket.recv(timeout=10)) == {"clicked": {"kind": "robot", "id": "r1"}}
+        assert json.loads(socket.recv(timeout=60)) == {"clicked": {"kind": "robot", "id": "r1"}}
     wait_until(lambda: page(driven, key) == 404)
 
 
 def test_a_page_that_lost_its_line_opens_it_again(driven):
     with view(driven) as first:
-        key = json.loads(first.recv(timeout=10))["scene"]
+        key = json.loads(first.recv(timeout=60))["scene"]
         with view(driven) as second:
-            assert json.loads(second.recv(timeout=10))["scene"] == key
+            assert json.loads(second.recv(timeout=60))["scene"] == key
             with pytest.raises(ConnectionClosed) as closed:
-                first.recv(timeout=10)
+                first.recv(timeout=60)
             assert closed.value.rcvd.code == 4409
             assert page(driven, key) == 200
 
@@ -59,10 +59,10 @@ def test_a_page_that_lost_its_line_opens_it_again(driven):
 )
 def test_nonsense_ends_it(driven, nonsense):
     with view(driven) as socket:
-        socket.recv(timeout=10)
+        socket.recv(timeout=60)
         socket.send(nonsense)
         with pytest.raises(ConnectionClosed) as closed:
-            socket.recv(timeout=10)
+            socket.recv(timeout=60)
         assert closed.value.rcvd.code == 1008
 
 
@@ -76,5 +76,5 @@ def test_an_unknown_mission_has_no_seats(control):
     line = control.open()
     line.at = "/missions/nowhere"
     with view(line) as socket, pytest.raises(ConnectionClosed) as closed:
-        socket.recv(timeout=10)
+        socket.recv(timeout=60)
     assert closed.value.rcvd.code == 4404

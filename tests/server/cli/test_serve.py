@@ -43,7 +43,7 @@ class Process:
         assert line, self.errors.read_text()
         return line
 
-    def until(self, condition: Callable[[], object], timeout_s: float = 40.0) -> None:
+    def until(self, condition: Callable[[], object], timeout_s: float = 60.0) -> None:
         end = time.monotonic() + timeout_s
         while True:
             with suppress(OSError):

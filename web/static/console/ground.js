@@ -11,7 +11,7 @@ import { html } from "./vendor.js";
 /** @import {View} from "./canvas_layer.js" */
 /** @typedef {{map: MapInfo, free_m2: number, safe_m2: number, cleared_m2: number}} Coverage */
 /** @typedef {{robots: {points_m: [number, number][], heard: boolean[]}[]}} Contact */
-/** @typedef {{cell_m: number, tags: {x_m: number, y_m: number, window: string[]}[]}} Memories */
+/** @typedef {{tags: {x_m: number, y_m: number, cell_m: number, window: string[]}[]}} Memories */
 
 const AGAIN_MS = 3000;
 
@@ -123,13 +123,13 @@ function drawContact(ctx, view, points, heard) {
  * farthest along x, its first column farthest along y.
  * @param {CanvasRenderingContext2D} ctx @param {View} view @param {Memories} memories
  */
-export function drawMemories(ctx, view, { cell_m, tags }) {
-  const side = cell_m * view.scale;
+export function drawMemories(ctx, view, { tags }) {
   ctx.globalAlpha = 0.35;
   for (const [sign, tone] of [["o", "warn"], ["#", "seen"]]) {
     ctx.beginPath();
-    for (const { x_m, y_m, window } of tags) {
+    for (const { x_m, y_m, cell_m, window } of tags) {
       const half_m = (window.length * cell_m) / 2;
+      const side = cell_m * view.scale;
       window.forEach((row, r) => [...row].forEach((cell, c) => cell === sign
         && ctx.rect(view.toX(x_m + half_m - (r + 1) * cell_m), view.toY(y_m + half_m - c * cell_m), side, side)));
     }

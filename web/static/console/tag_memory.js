@@ -42,7 +42,7 @@ export class TagMemory extends Component {
     if (!content.memory) return html`<p>${content.sentences.join(" ")}</p>`;
     const rows = content.memory.window;
     const side_m = rows.length * content.cell_m;
-    const seen = rows.join("").replaceAll(".", "").length;
+    const seen = rows.join("").replaceAll(".", "").length * content.cell_m ** 2;
     return html`
       <figure class="tag-memory">
         ${seen > 0 && html`<${Window} rows=${rows} />`}

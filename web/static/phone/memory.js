@@ -8,7 +8,7 @@ import { readMaps, readNotes, readPasses, readVictims, readWindow } from "./memo
 import { say } from "./texts.js";
 import { rounded } from "./words.js";
 
-/** @typedef {{window: string[], phase: number, reach: number, visited: string[], visited_reach: number,
+/** @typedef {{window: string[], phase: number, cell_m: number, reach: number, visited: string[], visited_reach: number,
  *   victims: {key: number, north_m: number, west_m: number, confidence: number, seen_min: number}[],
  *   notes: {number: number, author: string, text: string}[], notes_let_go: number[] | null,
  *   passes: {key: number, count: number, serial: number, goal_north_m: number, goal_west_m: number}[],
@@ -23,6 +23,7 @@ const MAX_BYTES = 1 << 16;
 const REACH = 31;
 const VISITED_REACH = 10;
 const CENTRED = 0x88;
+const CELLS_M = [1, 0.5, 2];
 
 /** Whole records, one after the other; what is damaged is left out. @param {Uint8Array} data */
 export function recordsIn(data) {
@@ -83,7 +84,7 @@ function newest(records, first) {
 /** @param {Uint8Array} data @returns {Memory} @throws {BytesError} it is damaged, or of another version */
 export function decodeMemory(data) {
   /** @type {Memory} */
-  const memory = { window: ["."], phase: CENTRED, reach: REACH, visited: ["."], visited_reach: VISITED_REACH, victims: [], notes: [],
+  const memory = { window: ["."], phase: CENTRED, cell_m: CELLS_M[0], reach: REACH, visited: ["."], visited_reach: VISITED_REACH, victims: [], notes: [],
     notes_let_go: null, passes: [], maps: [] };
   if (!data.length) return memory;
   if (data.length > MAX_BYTES || data[0] >> 6 !== CONTENT_VERSION >> 6) throw new BytesError("it is of another version");
@@ -97,9 +98,9 @@ export function decodeMemory(data) {
     Object.assign(memory, { visited_reach: reach, visited: rows });
   }
   if (kinds & 16) {
-    memory.phase = reader.u8();
-    const { reach, rows } = readWindow(reader, REACH, ".o#");
-    Object.assign(memory, { reach, window: rows });
+    const place = reader.u8();
+    const { reach, size, rows } = readWindow(reader, REACH, ".o#", CELLS_M.length);
+    Object.assign(memory, { phase: place | (size << 8), cell_m: CELLS_M[size], reach, window: rows });
   }
   if (kinds & 32) memory.maps = readMaps(reader);
   if (reader.at !== data.length) throw new BytesError(`it has ${data.length - reader.at} bytes too many`);

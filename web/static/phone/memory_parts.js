@@ -9,20 +9,25 @@ const MAX_NOTES = 64;
 const MAX_WRITERS = 100;
 const MAX_BELIEFS = 2000;
 const HAS_FRAME = 0x8000;
+const SIZES_FROM = 66;
 
 /** Bytes of the box of a window. @param {number} reach */
 const boxBytes = (reach) => Math.ceil(Math.ceil(Math.log2((2 * reach + 1) ** 4)) / 8);
 
 /**
  * A window as texts, one a row, north first and west to the left; `states` has a character for each state.
- * @param {Reader} reader @param {number} most cells from the middle @param {string} states
+ * Its first byte tells how large cells are, too. @param {Reader} reader @param {number} most cells from the middle
+ * @param {string} states
  */
-export function readWindow(reader, most, states) {
-  const head = reader.u8();
+export function readWindow(reader, most, states, sizes = 1) {
+  const first = reader.u8();
+  const size = Math.floor(first / SIZES_FROM);
+  if (size >= sizes) throw new BytesError(`its cells have a size ${size} that does not exist`);
+  const head = first % SIZES_FROM;
   const reach = (head >> 1) - 1;
   const holds = head % 2 === 1;
   if (reach > most || (reach === most && !holds) || (reach < 0 && holds)) throw new BytesError(`its window reaches ${reach} cells`);
-  return { reach, rows: holds ? rowsOf(cellsIn(reader, reach), reach, states) : [states[0]] };
+  return { reach, size, rows: holds ? rowsOf(cellsIn(reader, reach), reach, states) : [states[0]] };
 }
 
 /** Cells that are not 0, by row and column. @param {Reader} reader @param {number} reach */

@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 from math import cos, pi, radians, sin
-from time import perf_counter
 
 import numpy as np
 import pytest
@@ -278,18 +277,3 @@ def test_the_local_map_forgets_its_oldest_scan(sweep, room):
     assert local_map.points[:, 0].min() > 11.0  # nothing of the first place is left
     local_map.clear()
     assert len(local_map) == len(local_map.points) == 0
-
-
-def test_a_match_takes_little_time(sweep, room):
-    """360 beams against 25 scans: about 0.1 ms; a slow machine may take twenty times that."""
-    rng = np.random.default_rng(7)
-    poses = [Pose2(-1.0 + 0.1 * k, -0.5, 0.05 * k) for k in range(25)]
-    local_map = mapped(*((pose, sweep(room, pose, sd_m=0.01, rng=rng)) for pose in poses))
-    scans = [points_of(sweep(room, pose @ Pose2(0.05, 0.02, 0.02), sd_m=0.01, rng=rng)) for pose in poses]
-    times = []
-    for _ in range(4):
-        for pose, scan in zip(poses, scans, strict=True):
-            began = perf_counter()
-            assert match(local_map, scan, pose, CONFIG) is not None
-            times.append(perf_counter() - began)
-    assert np.median(times) < 0.002

@@ -1,9 +1,12 @@
 """What a robot leaves in tags: own ground and ways, how often it passed, where it went."""
 
 import numpy as np
+import pytest
 
+from robots.exploration.told.claims import Claims
 from robots.exploration.told.witness import Witness
 from robots.planning.plan_grid import FREE, OCCUPIED, UNKNOWN, PlanGrid
+from robots.tags.content import decode_memory, encode_memory
 from robots.tags.marks import key_of
 from robots.tags.memory import CENTRED, CLOSED, OPEN, UNSEEN, TagMemory, phase_of
 from robots.tags.observed import observed_memory
@@ -62,3 +65,31 @@ def test_what_was_called_open_is_closed_once_its_edge_is_gone():
         assert told.cells[len(told.cells) // 2, len(told.cells) // 2] == state
     told = Witness("r1", 0.5).about("A", (0.0, 0.0), TagMemory(strip), grid, TRAIL, None, 0.0)
     assert told.cells[len(told.cells) // 2 + 1, len(told.cells) // 2] == UNSEEN
+
+
+@pytest.mark.parametrize("cell_m", [0.5, 1.0, 2.0])
+def test_cells_of_any_size_tell_of_the_same_ground(cell_m):
+    witness = Witness("r1", 0.5, cell_m)
+    told = about(witness, place=(0.3, -0.6))
+    assert told.cell_m == cell_m
+    assert (told.cells == CLOSED).sum() * cell_m**2 == pytest.approx(100.0, abs=44.0)  # half a ring of 2 m
+    assert decode_memory(encode_memory(told)) == told
+    claims = Claims()
+    claims.hear("A", told)
+    unknown = PlanGrid(
+        np.full((300, 300), UNKNOWN, np.uint8), np.zeros((300, 300), np.uint8), (-15, -15), 0.1
+    )
+    rows, columns = np.nonzero(claims.survey(unknown, claims.tags({"A": (0.3, -0.6)}.get)).claimed)
+    edges = [(np.min(k) * 0.5 - 15.0, (np.max(k) + 1) * 0.5 - 15.0) for k in (rows, columns)]
+    np.testing.assert_allclose(edges, [(-5.0, 5.0)] * 2, atol=cell_m)
+
+
+def test_who_finds_cells_of_another_size_goes_on_with_them():
+    found = about(Witness("r1", 0.5, 2.0), place=(1.0, 1.0))
+    witness = Witness("r2", 0.5, 0.5)
+    answer = about(witness, place=(1.0, 1.0), said=found)
+    assert (answer.phase, found.merge(answer).cell_m) == (found.phase, 2.0)
+    new = about(witness, place=(4.0, 1.5), tag_id="B")
+    assert new.cell_m == 2.0
+    apart = np.array((4.0, 1.5)) + new.shift_m - np.array((1.0, 1.0)) - found.shift_m
+    np.testing.assert_allclose(apart % 2.0 % 2.0, 0.0, atol=1e-9)
