@@ -10,6 +10,7 @@ from db.records import AnnotationKind
 from db.victim_records import Triage, VictimStatus
 from server.schemas.alerts import EvacuationOut
 from server.schemas.common import Wire
+from server.schemas.routes import PlaceKindOut
 
 End = tuple[str, int]
 
@@ -22,6 +23,7 @@ class PocketTagOut(Wire):
     y_m: float
     sd_m: float
     notice: str
+    place_kind: PlaceKindOut
 
 
 class PocketVictimOut(Wire):
@@ -57,6 +59,15 @@ class PocketNoteOut(Wire):
     ends: list[End]
 
 
+class PocketBaseOut(Wire):
+    """Where the mission's first robot started."""
+
+    x_m: float
+    y_m: float
+    tag_id: str | None = Field(description="The tag that lies there.")
+    ends: list[End] = Field(description="A tag in sight, and centimetres from there.")
+
+
 class PocketRadioOut(Wire):
     """The radio of the mission's nodes: log-distance path loss, and what robots have learnt of it."""
 
@@ -67,6 +78,7 @@ class PocketRadioOut(Wire):
     fading_sd_db: float = Field(description="Of every reading.")
     reach_m: float
     gain_sd_db: float = Field(description="Of phones among each other.")
+    exponent_sd: float = Field(description="Of buildings among each other, as a share of the exponent.")
     wall_db: float = Field(description="What a wall takes.")
     scale: float = Field(description="Range measured = scale * true range + the node's offset.")
     offsets_m: dict[str, float] = Field(description="By tag id, where it is not 0.")
@@ -95,10 +107,12 @@ class PocketOut(Wire):
     x_axis_deg: float | None = Field(description="True bearing of the plan's x axis; null while not known.")
     map: PocketPlanOut | None
     tags: list[PocketTagOut]
-    ways: list[tuple[int, int, int, list[int], int, int]] = Field(
+    ways: list[tuple[int, int, int, list[int], int, int, int]] = Field(
         description="Numbers of two tags, the length in cm, the points between, x and y of each in cm, by how"
-        " much more it counts for being narrow, and its narrowest width, 0 where not known, in cm."
+        " much more it counts for being narrow, its narrowest width, 0 where not known, in cm, and how long"
+        " it was to somebody who walked it, 0 where a robot drove it, in cm."
     )
+    base: PocketBaseOut | None = Field(description="Where the first robot started; null while none has.")
     victims: list[PocketVictimOut]
     notes: list[PocketNoteOut]
     left_out: dict[str, Any] = Field(description="How many tags, victims and notes had no room.")

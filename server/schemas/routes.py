@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from db.victim_records import VictimStatus
+from robots.routes.place_kind import PlaceKind
 from server.schemas.common import Wire
 
 NorthKind = Annotated[
@@ -16,6 +17,12 @@ NorthKind = Annotated[
         " along x, where nobody has said how it lies on the Earth. A compass shows magnetic north, some"
         " degrees off true; by how much here is not known."
     ),
+]
+
+
+PlaceKindOut = Annotated[
+    PlaceKind,
+    Field(description="Of what kind the place is by the walls round it; empty where the map does not tell."),
 ]
 
 
@@ -29,6 +36,7 @@ class LegOut(Wire):
     text: str
     points_m: list[list[float]] = Field(description="Where it bends, x and y of each point, ends included.")
     uncertain: bool = Field(description="Length and direction are but a guess.")
+    walked: bool = Field(description="Somebody went there on foot; nobody knows just where.")
     width_m: float | None = Field(description="Of its narrowest passage, up to 4 m; null where not known.")
     hazards: list[str] = Field(description="What it passes.")
 
@@ -40,6 +48,8 @@ class LastOut(Wire):
     distance_m: float
     bearing_deg: float
     text: str
+    uncertain: bool = Field(description="What is looked for has to be searched for there.")
+    sd_m: float = Field(description="Standard deviation of where it is, seen from the tag.")
 
 
 class NeighbourOut(Wire):
@@ -69,6 +79,7 @@ class WhereOut(Wire):
     y_m: float
     sd_m: float = Field(description="Standard deviation of its place.")
     notice: str
+    place_kind: PlaceKindOut
     text: str
     north: NorthKind
     neighbours: list[NeighbourOut]
@@ -85,7 +96,7 @@ class TypedOut(Wire):
 
 
 class RouteOut(Wire):
-    """A route for people: tags one after the other, along what robots drove."""
+    """A route for people: tags one after the other, along what robots drove and people walked."""
 
     from_tag: str
     to: str

@@ -52,7 +52,7 @@ def test_a_tag_says_where_it_is_in_words(control, driven, tags):
     a, b = driven.get("/tags")["links"][0]
     found = control.call("GET", f"/where/{a}?mission=driven").json()
     assert found["mission_id"] == "driven"
-    assert found["text"].startswith(f"You are at tag {a}. ")
+    assert found["text"].startswith(f"You are at tag {a}, in a corridor. ")
     assert b in {neighbour["tag_id"] for neighbour in found["neighbours"]}
     assert {victim["victim_id"] for victim in found["victims"]}
     latest = control.call("GET", f"/where/{a}").json()  # other tests' robots drop tags of that name too
@@ -82,5 +82,23 @@ def test_words_come_in_german_too(driven, tags):
     last = driven.get(f"/routes?from={a}&to=victim:{victim}&language=de")["last"]
     assert last["text"].endswith(f"gehen: Dort ist Opfer {victim}.")
     where = driven.control.call("GET", f"/where/{a}?language=de").json()
-    assert where["text"].startswith(f"Sie sind an Marke {a}.")
+    assert where["text"].startswith(f"Sie sind an Marke {a}, in einem Flur. ")
     assert driven.control.call("GET", f"/where/{a}?language=fr").status_code == 422
+
+
+def test_the_way_out_and_back_to_the_base(driven, tags):
+    a = max(tags, key=lambda tag: hypot(tags[tag]["x_m"], tags[tag]["y_m"]))
+    assert driven.refused("GET", f"/routes?from={a}&to=exit") == (409, "no_place", "to")
+    base = driven.get(f"/routes?from={a}&to=base")  # the robot started on that tag
+    assert (base["legs"], base["last"]) == (driven.get(f"/routes?from={a}&to=tag:BASE")["legs"], None)
+    assert base["legs"]
+    far, near = "00000000-0000-4000-8000-00000000fa01", "00000000-0000-4000-8000-00000000fa02"
+    order = sorted(tags, key=lambda tag: driven.get(f"/routes?from={a}&to=tag:{tag}")["distance_m"])
+    driven.call("PUT", f"/annotations/{far}", {"kind": "exit", "text": "gate", "tag_id": order[-1]})
+    driven.call("PUT", f"/annotations/{near}", {"kind": "exit", "text": "", "tag_id": order[1]})
+    assert driven.get(f"/routes?from={a}&to=exit:{far}")["legs"][-1]["to_tag"] == order[-1]
+    assert driven.get(f"/routes?from={a}&to=exit")["legs"][-1]["to_tag"] == order[1]
+    assert driven.get(f"/routes?from={a}&to=exit")["last"] is None
+    assert driven.refused("GET", f"/routes?from={a}&to=exit:none") == (404, "unknown_exit", None)
+    for note in (far, near):
+        driven.call("DELETE", f"/annotations/{note}")
