@@ -121,7 +121,7 @@ def case_of(seed: int, language: Language) -> tuple[dict[str, Any], dict[str, An
         "evacuation": None,
         "x_axis_deg": routes.north.x_axis_deg,
     }
-    pocket = json.loads(pack_of(head, kinds, routes.roads(grid), None, grid).plain)
+    pocket = json.loads(pack_of(head, kinds, routes.roads(grid), None, grid).plain())
     names = [value["tag_id"] for value in kinds["tag"]]
     goals = [f"tag:{name}" for name in names] + [f"victim:{v['victim_id']}" for v in kinds["victim"]]
     goals += [f"note:{note['annotation_id']}" for note in kinds["annotation"]]
