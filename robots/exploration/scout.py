@@ -28,7 +28,7 @@ from robots.se2 import Pose2
 from robots.tags.deployment import TagDropper
 from robots.tags.map_memory import MAX_BELIEFS, TagBelief, WriterMap
 from robots.tags.marks import key_of
-from robots.tags.memory import TagMemory, TagMemoryError
+from robots.tags.memory import WINDOWS, TagMemory, TagMemoryError
 from robots.tags.sealed import close_memory, open_memory
 from robots.types import FrontierReport, LaserScan, Suspect, TagSighting, TagWrite
 from robots.victims import KnownVictim
@@ -240,10 +240,12 @@ class Scout:
         return TagWrite(tag_id, record)
 
     def _answer(self, now: Situation, tag_id: str, said: TagMemory, own: PlanGrid) -> TagMemory:
+        told = said.merge(replace(self._told_of(now, tag_id, said, own), maps=self._map_to_leave(now)))
         goals, place = self.explorer.goals, now.tag_place(tag_id) if now.north else None
         if goals.view is not None and place is not None and isinstance(goals.strategy, AnswersTags):
-            return goals.strategy.answer(said, goals.view, place)
-        return said.merge(replace(self._told_of(now, tag_id, said, own), maps=self._map_to_leave(now)))
+            rules = goals.strategy.answer(said, goals.view, place)
+            return replace(told, **{name: getattr(rules, name) for name in WINDOWS})
+        return told
 
     def _told_of(self, now: Situation, tag_id: str, said: TagMemory, own: PlanGrid) -> TagMemory:
         """Return what is known of the ground round a tag; its frame needs a compass."""

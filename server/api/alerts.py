@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from fastapi import APIRouter, Response
 
-from server.api.common import ERRORS, READS, OneMission, Operator, Responder, TheChange
-from server.errors import unknown
+from server.api.common import ERRORS, READS, OneMission, Operator, TheChange, Viewer
+from server.errors import ApiError, unknown
+from server.mission.mayday import call_for_help, is_repeated
 from server.people.audit import AuditedRoute
 from server.schemas.alerts import AlertOut, AlertsOut, MaydayIn
 from server.sharing import alert_value
@@ -33,24 +34,29 @@ async def acknowledge_alert(alert_id: str, mission: OneMission, by: Operator) ->
 
 @router.post("/mayday", status_code=201, summary="Call MAYDAY", operation_id="call_mayday")
 async def call_mayday(
-    body: MaydayIn, mission: OneMission, by: Responder, change: TheChange, response: Response
+    body: MaydayIn, mission: OneMission, by: Viewer, change: TheChange, response: Response
 ) -> AlertOut:
-    """Tell everybody that you need help; again while it goes on changes nothing (200)."""
+    """Tell everybody that you need help, whatever your role and however the mission stands.
+
+    Again it is told anew, unless it says nothing new and nobody has taken note yet (200).
+    """
     change.subject = by.name
-    if mission.alerts.is_on("mayday", by.name):
+    if by.is_robot:
+        raise ApiError(403, "not_for_robots", "MAYDAY is for people; a robot in need is an alert by itself.")
+    known = mission.alerts.get("mayday", by.name)
+    if known is not None and is_repeated(mission.alerts, by.name, body.text, body.tag_id):
         response.status_code = 200
-    said = f": {body.text}" if body.text else ""
-    where = f" near tag {body.tag_id}" if body.tag_id else ""
-    alert = await mission.alerts.raise_(
-        "mayday", by.name, f"MAYDAY from {by.name}{where}{said}.", "alarm", event="mayday", tag_id=body.tag_id
-    )
-    return AlertOut(**alert_value(alert))
+        return AlertOut(**alert_value(known))
+    return AlertOut(**alert_value(await call_for_help(mission.alerts, by.name, body.text, body.tag_id)))
 
 
 @router.delete("/mayday/{name}", status_code=204, summary="MAYDAY is over", operation_id="end_mayday")
-async def end_mayday(name: str, mission: OneMission, by: Responder, change: TheChange) -> None:
-    """End somebody's MAYDAY: they themselves, or whoever has seen to it."""
+async def end_mayday(name: str, mission: OneMission, by: Viewer, change: TheChange) -> None:
+    """End somebody's MAYDAY: they themselves, or whoever has seen to it, a responder or above."""
     change.subject = name
+    if by.is_robot or not (name == by.name or by.may("responder")):
+        message = "Only your own MAYDAY is yours to end; ask a commander for a role."
+        raise ApiError(403, "role_too_low", message)
     if not mission.alerts.is_on("mayday", name):
         raise unknown("mayday", name)
     await mission.alerts.end(

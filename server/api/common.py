@@ -41,6 +41,7 @@ ON_ONE_THAT_IS_OVER = {
     "start_mission", "pause_mission", "close_mission", "archive_mission", "reopen_mission",
     "stop_robots", "resume_robots", "order_evacuation", "end_evacuation", "acknowledge_evacuation",
     "acknowledge_alert", "call_mayday", "end_mayday", "make_best_map", "post_observations", "locate_by_radio",
+    "put_report",
 }  # fmt: skip
 """Changes that a closed mission takes: people's safety, and what settles or says by itself how it stands."""
 

@@ -37,11 +37,17 @@ async def put_report(
 ) -> ReportOut:
     """Take a report. Whoever writes it makes its id: sent again, it is answered (200) and changes nothing.
 
-    Who looks on only may say that they have heard EVACUATE.
+    MAYDAY, and that EVACUATE was heard, are taken from all people, and also where the mission is over.
     """
-    if by.is_robot or not (body.kind == "heard" or by.may("responder")):
-        message = "Reports are for responders and above; ask a commander for a role. It stays on your phone."
+    is_help = body.kind in ("mayday", "heard")
+    if by.is_robot or not (is_help or by.may("responder")):
+        message = (
+            f"Reports are for responders and above, and yours is the role {by.role};"
+            " ask a commander for another. It stays on your phone."
+        )
         raise ApiError(403, "role_too_low", message)
+    if not is_help and not await mission.reports.has(report_id):
+        mission.lifecycle.check_open()
     record, is_new = await mission.reports.take(report_id, body, by.name)
     change.subject = f"{record.kind} {record.report_id}"
     if not is_new:

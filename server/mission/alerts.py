@@ -41,9 +41,13 @@ class Alerts:
         """Return the alerts that are not settled, the earliest first."""
         return sorted(self._alerts.values(), key=lambda alert: (alert.raised_unix_s, alert.alert_id))
 
+    def get(self, kind: AlertKind, subject: str) -> AlertRecord | None:
+        """Return such an alert, if there is one that is not settled."""
+        return self._alerts.get(f"{kind}:{subject}")
+
     def is_on(self, kind: AlertKind, subject: str) -> bool:
         """Say whether such an alert goes on."""
-        alert = self._alerts.get(f"{kind}:{subject}")
+        alert = self.get(kind, subject)
         return alert is not None and alert.over_unix_s is None
 
     async def raise_(
@@ -57,14 +61,18 @@ class Alerts:
         robot_id: str | None = None,
         tag_id: str | None = None,
         victim_id: str | None = None,
+        is_anew: bool = False,
     ) -> AlertRecord:
         """Raise an alert, unless it goes on already as severe as that, and tell of it as an event.
+
+        ``is_anew``: it is raised even so.
 
         One that was acknowledged has to be again when it gets worse or comes back.
         """
         async with self._changing:
-            known = self._alerts.get(f"{kind}:{subject}")
-            if self.is_on(kind, subject) and known is not None and known.severity == severity:
+            known = self.get(kind, subject)
+            goes_on = known is not None and known.over_unix_s is None and known.severity == severity
+            if known is not None and goes_on and not is_anew:
                 return known
             record = AlertRecord(
                 f"{kind}:{subject}", kind, text, severity, time.time(), robot_id, tag_id, victim_id

@@ -17,13 +17,14 @@ from server.mission.alerts import Alerts
 from server.mission.annotations import Annotations
 from server.mission.chip_notes import ChipNotes
 from server.mission.evacuation import Evacuation
+from server.mission.mayday import call_for_help
 from server.mission.touches import too_far
 from server.mission.victims import Victims
 from server.schemas.reports import ReportIn
 from server.sharing import beside
 
 _LATE_S = 60.0
-_CLOCKS = {"kind", "made_by", "phone_unix_s", "offset_s", "sent_phone_unix_s"}
+_CLOCKS = {"kind", "made_by", "is_carried", "phone_unix_s", "offset_s", "sent_phone_unix_s"}
 
 
 class Reports:
@@ -55,6 +56,10 @@ class Reports:
         for record in reversed(await self._store.latest(self._mission_id, 1000, "at")):
             self._show_place(record)
 
+    async def has(self, report_id: UUID) -> bool:
+        """Say whether a report was taken."""
+        return await self._store.get(self._mission_id, str(report_id)) is not None
+
     async def latest(self, limit: int) -> list[ReportRecord]:
         """Return the latest reports, the newest first."""
         return await self._store.latest(self._mission_id, limit)
@@ -74,7 +79,7 @@ class Reports:
             record = ReportRecord(
                 report_id=str(report_id),
                 kind=said.kind,
-                by=_signature(said.made_by, sender),
+                by=_signature(said, sender),
                 made_unix_s=made_at(said, now),
                 received_unix_s=now,
                 phone_unix_s=said.phone_unix_s,
@@ -129,12 +134,9 @@ class Reports:
         return f"It is victim {victim_id}."
 
     async def _take_mayday(self, record: ReportRecord, said: ReportIn) -> str:
-        text = f"MAYDAY from {record.by}{f' near tag {said.tag_id}' if said.tag_id else ''}"
         late_s = record.received_unix_s - record.made_unix_s
-        if late_s > _LATE_S:
-            text += f", called {round(late_s / 60)} min ago without signal"
-        text += f": {said.text}." if said.text else "."
-        await self._alerts.raise_("mayday", record.by, text, "alarm", event="mayday", tag_id=said.tag_id)
+        ago_min = round(late_s / 60) if late_s > _LATE_S else 0
+        await call_for_help(self._alerts, record.by, said.text, said.tag_id, ago_min)
         return "Everybody was told."
 
     async def _take_heard(self, record: ReportRecord, said: ReportIn) -> str:
@@ -172,8 +174,10 @@ def made_at(said: ReportIn, now: float) -> float:
     return min(said.phone_unix_s + offset_s, now)
 
 
-def _signature(made_by: str, sender: str) -> str:
-    return sender if made_by in ("", sender) else f"{made_by} (sent by {sender})"
+def _signature(said: ReportIn, sender: str) -> str:
+    if said.is_carried:
+        return f"{said.made_by or 'somebody'} (carried by {sender})"
+    return sender if said.made_by in ("", sender) else f"{said.made_by} (sent by {sender})"
 
 
 def _values(record: ReportRecord) -> dict[str, Any]:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from pydantic import ConfigDict, Field
+import re
+from typing import Any
+
+from pydantic import ConfigDict, Field, model_validator
 
 from db.records import AlertKind, Severity
-from server.schemas.common import Name, Wire
+from server.schemas.common import NAME_PATTERN, Name, Wire
 
 
 class AlertOut(Wire):
@@ -34,6 +37,17 @@ class AlertsOut(Wire):
     alerts: list[AlertOut]
 
 
+def told_where(said: Any) -> Any:
+    """Return a call for help with what is no tag's id as words: nobody is refused help for that."""
+    if not isinstance(said, dict) or said.get("tag_id") is None:
+        return said
+    tag_id = said["tag_id"]
+    if isinstance(tag_id, str) and len(tag_id) <= 64 and re.match(NAME_PATTERN, tag_id):
+        return said
+    words = [f"the tag there reads “{str(tag_id)[:64]}”", *filter(None, [said.get("text")])]
+    return said | {"tag_id": None, "text": "; ".join(map(str, words))[:500]}
+
+
 class MaydayIn(Wire):
     """Somebody needs help."""
 
@@ -43,6 +57,11 @@ class MaydayIn(Wire):
 
     text: str = Field("", max_length=500, description="What is wrong, if there is time to say.")
     tag_id: Name | None = Field(None, description="The last tag that was read.")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _is_let_through(cls, said: Any) -> Any:
+        return told_where(said)
 
 
 class AcknowledgementOut(Wire):

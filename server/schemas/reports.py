@@ -8,6 +8,7 @@ from pydantic import ConfigDict, Field, model_validator
 
 from db.records import AnnotationKind
 from db.reports import ReportKind
+from server.schemas.alerts import told_where
 from server.schemas.common import Name, Seconds, Wire
 from server.schemas.victims import Count, StartWire
 
@@ -54,6 +55,7 @@ class ReportIn(Wire):
         description="`note` at a tag; `victim` at a tag; `mayday`; `heard`: EVACUATE; `at`: I am at this tag."
     )
     made_by: str = Field("", max_length=60, description="Who was logged in on the phone when it was made.")
+    is_carried: bool = Field(False, description="It was made on another phone, which handed it over.")
     phone_unix_s: Seconds = Field(description="The phone's clock when it was made.")
     offset_s: Seconds | None = Field(
         None, description="By how much the phone knew then that its clock was slow; null: it did not know."
@@ -72,6 +74,11 @@ class ReportIn(Wire):
         description="A tag that this phone read so shortly before that both cannot be where the map says.",
     )
     after_s: Annotated[float | None, Field(ge=0, le=3600, description="How long before, s.")] = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _is_let_through(cls, said: Any) -> Any:
+        return told_where(said) if isinstance(said, dict) and said.get("kind") == "mayday" else said
 
     @model_validator(mode="after")
     def _fits_its_kind(self) -> Self:

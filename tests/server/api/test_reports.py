@@ -101,6 +101,19 @@ def test_evacuate_is_heard_once_for_each_order(line):
     assert [h["name"] for h in line.get("/evacuation")["acknowledged"]] == ["ann (sent by operator)"]
 
 
+def test_what_was_carried_by_another_phone_is_nobody_s_own_word(line):
+    """Whoever scans a code must not sign what it says, whatever name it bears."""
+    signed = {}
+    for made_by in ("ann", "operator", ""):
+        body = said("note", note="hazard", text="gas", tag_id="T0") | {"made_by": made_by, "is_carried": True}
+        signed[made_by] = line.call("PUT", f"/reports/{uuid4()}", body).json()["by"]
+    assert signed == {
+        "ann": "ann (carried by operator)",
+        "operator": "operator (carried by operator)",
+        "": "somebody (carried by operator)",
+    }
+
+
 def test_what_does_not_fit_is_refused_in_words(line):
     def put(body, path=None):
         return line.refused("PUT", path or f"/reports/{uuid4()}", body)

@@ -5,6 +5,7 @@ import io
 import itertools
 import re
 import time
+from uuid import uuid4
 
 import httpx
 import pytest
@@ -121,12 +122,18 @@ def test_accounts_sessions_and_tokens_outlive_a_restart(people, capfd):
 
 @pytest.mark.parametrize("role", ROLES)
 def test_each_role_may_do_its_part(shared, mission, role):
-    who = shared.ada if role == "commander" else shared.invite(role, f"Ben the {role}")
+    name = "Ada" if role == "commander" else f"Ben the {role}"
+    who = shared.ada if role == "commander" else shared.invite(role, name)
     rank = ROLES.index(role)
     place = {"x_m": 1.0, "y_m": 2.0}
     note = f"/missions/{mission}/annotations/6f9619ff-8b86-4d01-b42d-00cf4fc964ff"
+    clocks = {"phone_unix_s": 5.0, "sent_phone_unix_s": 6.0}
     for needed, method, path, body in [
         (0, "GET", f"/missions/{mission}", {}),
+        (0, "POST", f"/missions/{mission}/alerts/mayday", {"text": "hurt"}),
+        (0, "PUT", f"/missions/{mission}/reports/{uuid4()}", {"kind": "mayday", **clocks}),
+        (1, "PUT", f"/missions/{mission}/reports/{uuid4()}", {"kind": "at", "tag_id": "A4", **clocks}),
+        (0, "DELETE", f"/missions/{mission}/alerts/mayday/{name}", {}),
         (1, "PUT", note, {"kind": "note", "text": "stairs", **place}),
         (1, "POST", f"/missions/{mission}/stop", {"robots": None}),
         (2, "POST", f"/missions/{mission}/resume", {"robots": None}),
@@ -139,6 +146,8 @@ def test_each_role_may_do_its_part(shared, mission, role):
         if rank < needed:
             assert answer.json()["error"]["code"] == "role_too_low"
             assert role in answer.json()["error"]["message"]
+    others = shared.code(who, "DELETE", f"/missions/{mission}/alerts/mayday/Somebody")
+    assert others == ((404, "unknown_mayday") if rank else (403, "role_too_low"))
 
 
 def test_whoever_is_shut_out_is_out_at_once(shared, mission):
