@@ -1,4 +1,4 @@
-"""In a field network: by plain HTTP under a name, where browsers hold much back, and with a local authority."""
+"""In a field network: by plain HTTP under a name, where much is held back, and with its own authority."""
 
 from __future__ import annotations
 
