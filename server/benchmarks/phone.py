@@ -134,7 +134,7 @@ def _routes(page: Any) -> dict[str, float]:
     numbers = {tag: k for k, tag in enumerate(places)}
     tags = [{"tag_id": tag, "x_m": x, "y_m": y, "sd_m": 0.1, "notice": ""} for tag, (x, y) in places.items()]
     packed = [
-        [numbers[way.from_tag], numbers[way.to_tag], 300, (100 * way.points_m).ravel().tolist(), 0, 0]
+        [numbers[way.from_tag], numbers[way.to_tag], 300, (100 * way.points_m).ravel().tolist(), 0, 0, 0]
         for way in ways
     ]
     pocket = {
