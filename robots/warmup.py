@@ -115,8 +115,10 @@ def _warm_up_strategies() -> None:
     swept = replace(
         view, costs=travel_costs(grid, 5, 5), settings=PlanningConfig(safe=SafeGroundConfig(sweep=True))
     )
-    Waymark().candidates(replace(swept, mates_ways=np.zeros((1, 3))))
-    Waymark().worths(swept)
+    waymark = Waymark()
+    begun = waymark.candidates(swept)
+    waymark.candidates(replace(swept, goal_m=begun[0].goal_m))
+    waymark.worths(swept)
     _warm_up_small_maps(tags)
 
 

@@ -70,7 +70,7 @@ def without_ghosts(grid: PlanGrid, kinds: Kinds, coarse_m: float, looked_m: Arra
     """
     factor, (rows, columns) = round(coarse_m / grid.cell_m), kinds.shape
     blocks = grid.cells[: rows * factor, : columns * factor].reshape(rows, factor, columns, factor)
-    _, seen = _look(kinds, grid.origin, coarse_m, looked_m, reach_m)
+    _, seen = _look(kinds, grid.origin, coarse_m, np.ascontiguousarray(looked_m), reach_m)
     looked_at = np.zeros(kinds.size, bool)
     looked_at[seen] = True
     ghosts = looked_at.reshape(kinds.shape) & (blocks == UNKNOWN).all(axis=(1, 3))
