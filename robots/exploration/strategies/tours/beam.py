@@ -15,17 +15,19 @@ from robots.se2 import Array
 
 _KEPT_LEVELS = 4  # a step is at most so many metres long, less one
 _ONE = np.uint64(1)
+_TURN_M2 = 0.1  # product of two steps: about 95 degrees where they are 1 m long
 
 
 @njit(cache=True)
 def best_way(
-    ends: Indices, ways: Array, first: NDArray[np.int64], seen: Indices, worth: Array,
+    places: Array, ends: Indices, ways: Array, first: NDArray[np.int64], seen: Indices, worth: Array,
     longest: int, width: int, per_station: int, fades: float,
 ) -> tuple[Indices, Array, Array]:  # fmt: skip
     """Return the way from the last station on that gains most; of equals the shortest.
 
     Args:
-        ends: of ``Stations``, as are the next three.
+        places: of ``Stations``, as are the next four.
+        ends: see there.
         ways: ``ways_m``.
         first: where each station's cells begin.
         seen: the cells.
@@ -82,7 +84,7 @@ def best_way(
                 back = at[before[level, k, 0], before[level, k, 1]]
             for d in range(MOST_NEIGHBOURS):
                 to = ends[station, d]
-                if to < 0 or to == back:
+                if to < 0 or (back >= 0 and turns_back(places[back], places[station], places[to])):
                     continue
                 far = length[level, k] + ways[station, d]
                 next_level = max(level + 1, int(far))
@@ -101,6 +103,16 @@ def best_way(
                 waiting[next_ring] = n + 1
     found: tuple[Indices, Array, Array] = _trace(at, before, gain, length, best_level, best_k)
     return found
+
+
+@njit(cache=True)
+def turns_back(before: Array, at: Array, after: Array) -> bool:
+    """Return whether a way by three places turns by much more than 90 degrees.
+
+    Who follows a way goes on from the point of it that is nearest, so it must not lie on itself.
+    """
+    product = (at[0] - before[0]) * (after[0] - at[0]) + (at[1] - before[1]) * (after[1] - at[1])
+    return bool(product < -_TURN_M2)
 
 
 @njit(cache=True)

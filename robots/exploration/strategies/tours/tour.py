@@ -23,7 +23,6 @@ _LEG_M = 15.0
 _FADES_M = 240.0  # ground made safe so much later is worth nothing
 _WIDTH, _PER_STATION = 300, 2  # ways kept for each metre, and with the same end
 _OTHERS = 0.3  # what ground is worth that somebody else is nearer to
-_EPSILON = 0.1  # m2, of the product of two steps: turns of a little over 90 degrees will do
 _APART_M = 1.0  # a leg ends where it would come so near to itself again
 _END_M = 0.5  # before the end of a leg the next is planned
 _POINT_EVERY_M = 0.2
@@ -69,7 +68,7 @@ class Tours:
         stations = stations_of(grid, costs, view.pose, kinds, coarse_m, reach_m)
         worths = coarse_m**2 * _shares(view, kinds, coarse_m)
         order, gains, _ = best_way(
-            stations.ends, stations.ways_m, stations.first, stations.seen, worths.ravel(),
+            stations.places, stations.ends, stations.ways_m, stations.first, stations.seen, worths.ravel(),
             _LONGEST_M, _WIDTH, _PER_STATION, _FADES_M,
         )  # fmt: skip
         if gains[-1] < _LEAST_M2:
@@ -102,17 +101,12 @@ def _shares(view: ExplorationView, kinds: Kinds, coarse_m: float) -> Array:
 
 
 def _legs_length(places: Array) -> int:
-    """Return how many of the places (n, 2) make a leg: up to its length, a sharp turn, or near itself.
-
-    Who follows a way goes on from the point of it that is nearest: it must not turn back on itself.
-    """
-    steps = np.diff(places, axis=0)
+    """Return how many of the places (n, 2) make a leg: up to its length, or where it comes near itself."""
     gone = np.concatenate([[0.0], np.hypot(*np.diff(places, axis=0).T).cumsum()])
     for k in range(1, len(places)):
         earlier = gone[:k] < gone[k] - 2.5 * _APART_M
         near = np.hypot(*(places[:k][earlier] - places[k]).T) < _APART_M
-        turns_back = k > 1 and steps[k - 2] @ steps[k - 1] < -_EPSILON
-        if gone[k] > _LEG_M or near.any() or turns_back:
+        if gone[k] > _LEG_M or near.any():
             return max(2, k)
     return len(places)
 
