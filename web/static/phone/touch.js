@@ -1,10 +1,11 @@
 /** A tag was read: answer from what the phone carries, at once; then ask for the newest. */
 
 import { begin } from "./between.js";
+import { takeOrder } from "./evacuate.js";
 import { add, onOutbox, waiting } from "./outbox.js";
 import { judged } from "./pace.js";
 import { keptOf, missionOf, missions, open, opened, refresh, refreshAll } from "./pockets.js";
-import { reach, read, remember } from "./reach.js";
+import { reach, read, remember, remembered } from "./reach.js";
 import { Roads } from "./roads.js";
 import { changed, missionId, state } from "./state.js";
 import { language, say } from "./texts.js";
@@ -17,14 +18,9 @@ const TARGET = "waymark.target"; // where this phone is being led
 const LAST = "waymark.last";
 const SEEN = "waymark.seen"; // the tags that this phone really read, and when
 
-/** @param {string} name @returns {any} */
-function remembered(name) {
-  try {
-    return JSON.parse(localStorage.getItem(name) ?? "null");
-  } catch {
-    return null;
-  }
-}
+/** The tag that was read last, the one before, when by the phone's clock, and its mission ("" where not known).
+ * @returns {{tag: string, before: string, mission: string, read_s: number} | null} */
+export const lastTag = () => remembered(LAST);
 
 /** Where this phone is being led: kept over reloads, none when it is another mission's.
  * @returns {{mission: string, to: string, whole_m: number} | null} */
@@ -35,7 +31,7 @@ export function target() {
 
 /** @param {string | null} to `victim:ID`, `tag:ID`, `note:ID`, or nowhere any more */
 export function lead(to) {
-  if (to === null || !state.where) localStorage.removeItem(TARGET);
+  if (to === null || !state.where) remember(TARGET, null);
   else remember(TARGET, { mission: state.where.mission_id, to, whole_m: 0 });
   state.trouble = "";
   answer();
@@ -54,16 +50,18 @@ export function lead(to) {
  * @param {number | null} [read_s] when the phone read the tag itself, by its clock; null where somebody chose it on the page
  */
 export async function touch(tagId, mission = null, isBack = false, told = null, read_s = null) {
-  const known = remembered(LAST);
+  const known = lastTag();
   const before = known && known.tag !== tagId ? known.tag : known?.before ?? "";
   const address = tagId ? `/t/${encodeURIComponent(tagId)}${mission ? `?mission=${encodeURIComponent(mission)}` : ""}` : "/phone";
   if (!isBack && location.pathname + location.search !== address) history.pushState(null, "", address);
   wanted = mission;
   Object.assign(state, { tagId, before, where: null, route: null, said: "", trouble: "", form: "", scanning: false, foreign: null, choices: [], odd: null });
   if (!tagId) return changed();
-  remember(LAST, { tag: tagId, before });
+  const last = { tag: tagId, before, mission: known?.mission ?? "", read_s: known?.tag === tagId && read_s === null ? known.read_s : Date.now() / 1000 };
+  remember(LAST, last);
   answer();
   if (!state.where && told) Object.assign(state, { where: told.where, as_of_s: told.as_of_s });
+  if (state.where) remember(LAST, { ...last, mission: missionId() });
   if (read_s !== null) judge(read_s);
   begin();
   changed();
@@ -71,6 +69,7 @@ export async function touch(tagId, mission = null, isBack = false, told = null, 
   else if (reach.inReach !== false) await renew();
   const mission_id = missionId();
   if (state.tagId !== tagId || !state.where) return;
+  remember(LAST, { ...last, mission: mission_id });
   add("at", mission_id, { tag_id: tagId, ...(state.odd ? { from_tag: state.odd.before, after_s: state.odd.after_s } : {}) });
   const { askMemory } = await import("./memory_view.js");
   askMemory(mission_id, tagId);
@@ -98,7 +97,7 @@ export function answer() {
     own = ownNotes(pocket);
     state.pocket = pocket;
     state.roads = new Roads(pocket, notesWith(pocket));
-    state.evacuation = pocket.evacuation?.ordered ? pocket.evacuation : null;
+    takeOrder(pocket.mission_id, pocket.evacuation);
   }
   if (!state.roads) return;
   state.where = whereIs(pocket, state.roads, state.tagId);
