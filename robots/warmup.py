@@ -33,9 +33,10 @@ from robots.exploration.told.far_sight import FarSight
 from robots.mapping.fused import FusedGrid
 from robots.planning.plan_grid import FREE, UNKNOWN, PlanGrid
 from robots.planning.travel import travel_costs
+from robots.routes.place_kind import kind_of
 from robots.se2 import GaussianPose, Pose2
 from robots.tags.memory import CLOSED, TagMemory
-from robots.team import StartPose, TeamMap
+from robots.team import StartPose, TeamGrid, TeamMap
 from robots.types import HeatReading, ImuReading, LaserScan, Observation, TagSighting, WheelEncoders
 
 
@@ -75,6 +76,14 @@ def warm_up() -> None:
     _warm_up_batch()
     _warm_up_strategies()
     _warm_up_team_ground()
+    _warm_up_places()
+
+
+def _warm_up_places() -> None:
+    """Ask in a room where one is."""
+    cells = np.zeros((40, 40), np.int8)
+    cells[[0, -1], :] = cells[:, [0, -1]] = 100
+    kind_of(TeamGrid(cells, (0.0, 0.0), 0.1, 1), 2.0, 2.0)
 
 
 def _warm_up_team_ground() -> None:

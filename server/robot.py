@@ -1,6 +1,6 @@
 """One robot of a mission as the server keeps it.
 
-Where its log stands, its agent's latest word, whether it is heard, and how it stands on the board.
+Where its log stands, its agent's latest word, whether it is heard, and where it is in the world.
 """
 
 from __future__ import annotations
@@ -12,22 +12,21 @@ from collections.abc import AsyncIterator
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
-import numpy as np
-
 from db.records import RobotRecord, SnapshotRecord
 from db.store import Store
 from robots import codec
 from robots.config import AgentConfig
 from robots.estimation.radio.hearing import Ears
 from robots.graph_report import GraphReport
-from robots.orders import Methods
 from robots.se2 import Array, GaussianPose, Pose2
 from robots.types import AgentUpdate, Command, FrontierReport, Observation
 from server.agents.host import AgentHost
+from server.stopping import Stopping
 
 Link = Literal["live", "late", "lost"]
 _REMEMBERED = 2500  # answers kept for batches that are sent again: more than the largest batch
 _IN_SNAPSHOT = 64
+_SILENT_S = 1.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,14 +77,14 @@ class Robot:
     host: AgentHost
     next_seq: int = 0
     last_stamp_s: float | None = None
-    stopped: bool = False
+    stopping: Stopping = field(default_factory=Stopping)
     paused: bool = False
     link: Link = "lost"
     heard_unix_s: float | None = None
     heard_at_s: float = field(default_factory=time.monotonic)
     battery: float | None = None
     update: AgentUpdate | None = None
-    speed_mps: float = 0.0
+    speed_mps: float | None = None  # by its agent
     graph: GraphReport | None = None
     frontiers: tuple[FrontierReport, ...] = ()
     anchors: Array | None = None
@@ -96,6 +95,7 @@ class Robot:
     arriving: asyncio.Lock = field(default_factory=asyncio.Lock)
     thinking: asyncio.Lock = field(default_factory=asyncio.Lock)
     thought: asyncio.Task[None] | None = None
+    asked_at_s: float = 0.0  # since when the agent owes an answer, while it does
     differs: bool = False
     snapshot_seq: int = -1
     snapshot_at_s: float = field(default_factory=time.monotonic)
@@ -135,13 +135,23 @@ class Robot:
         return self.thought is not None and (not self.thought.done() or self.thought_failed)
 
     @property
+    def is_agent_down(self) -> bool:
+        """Whether its agent has owed an answer for so long that it must be dead, stuck or coming back."""
+        return self.is_unanswered and time.monotonic() - self.asked_at_s > _SILENT_S
+
+    @property
+    def stopped(self) -> bool:
+        """Whether STOP was ordered."""
+        return self.stopping.is_ordered
+
+    @property
     def held(self) -> bool:
         """Whether it has to stand still: by STOP, or because its mission is paused."""
         return self.stopped or self.paused
 
     def set_stopped(self, stopped: bool) -> None:
         """Stop it, or let it go on: from the next reply on."""
-        self.stopped = stopped
+        self.stopping.order(stopped)
         self.record = replace(self.record, stopped=stopped)
 
     def world_from_map(self) -> Pose2 | None:
@@ -160,7 +170,6 @@ class Robot:
         self.communication = update.methods.communication or self.communication
         if update.graph is not None:
             self.graph = update.graph
-        self.communication = update.methods.communication
         if update.frontiers is not None:
             self.frontiers = update.frontiers
         self.told[update.seq] = Told(update.pose, update.command)
@@ -228,72 +237,3 @@ class Robot:
         for seq, text in snapshot.updates:
             pose, command = text.split("\n")
             self.told[seq] = Told(codec.decode(pose.encode(), Pose2), codec.decode(command.encode(), Command))
-
-
-def robot_value(robot: Robot) -> dict[str, object] | None:
-    """Return the robot's value on the board, in the world frame; None before anything was observed."""
-    update, world_from_base, world_from_map = robot.update, robot.world_pose(), robot.world_from_map()
-    if update is None or world_from_base is None or world_from_map is None:
-        return None
-    c, s = np.cos(world_from_map.theta), np.sin(world_from_map.theta)
-    turned = np.array([[c, -s], [s, c]])
-    covariance = np.array(update.covariance)
-    covariance[:2, :2] = turned @ update.covariance[:2, :2] @ turned.T
-    joint = robot.world_covariance()
-    if joint is not None:
-        covariance = joint
-    goal = None if update.goal_m is None else _rounded(world_from_map.transform_point(*update.goal_m))
-    path: Array = update.path_m.astype(np.float64)
-    if len(path):
-        path = world_from_map.transform(path)
-    return {
-        "robot_id": robot.robot_id,
-        "x_m": round(world_from_base.x, 4),
-        "y_m": round(world_from_base.y, 4),
-        "yaw_rad": round(world_from_base.theta, 4),
-        "covariance": [
-            float(value) for value in (covariance[0, 0], covariance[0, 1], covariance[1, 1], covariance[2, 2])
-        ],
-        "stamp_s": update.stamp_s,
-        "heard_unix_s": robot.heard_unix_s,
-        "activity": update.activity,
-        "reason": update.reason,
-        "battery": robot.battery,
-        "tags_left": update.tags_left,
-        "agent": robot.record.agent,
-        "slam": robot.slam,
-        "methods": {name: getattr(update.methods, name) for name in Methods.__slots__},
-        "stopped": robot.stopped,
-        "link": robot.link,
-        "slipping": update.slipping,
-        "located": robot.located,
-        "explored_m2": round(update.explored_m2, 2),
-        "distance_m": round(update.distance_m, 2),
-        "goal_m": goal,
-        "path_m": [_rounded(point) for point in path],
-        "speed_mps": round(robot.speed_mps, 3),
-    }
-
-
-def frontiers_value(robot: Robot) -> dict[str, object] | None:
-    """Return ``frontiers/ID`` of the board, in the world frame; None before anything was observed."""
-    world_from_map = robot.world_from_map()
-    if world_from_map is None:
-        return None
-    edges = []
-    for edge in robot.frontiers:
-        x, y = world_from_map.transform_point(*edge.goal_m)
-        edges.append(
-            {
-                "x_m": round(x, 2),
-                "y_m": round(y, 2),
-                "length_m": round(edge.length_m, 2),
-                "worth_m": round(edge.worth_m, 2),
-                "chosen": edge.chosen,
-            }
-        )
-    return {"robot_id": robot.robot_id, "frontiers": edges}
-
-
-def _rounded(point: object) -> list[float]:
-    return [round(float(value), 3) for value in point]  # type: ignore[attr-defined]

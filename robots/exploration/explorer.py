@@ -197,7 +197,7 @@ class Explorer:
             left = self.errands.near(goals.edges(ground, shortest_m, now_s))
             choice = choose(ground, (*left, *goals.untried(gaps(ground, shortest_m))))
         if choice is None:
-            doubted = () if self._map is None else unproved(ground, self._map, self.trail.points)
+            doubted = unproved(ground, self._map, self.trail.points, self._config.mapping.miss_logodds)
             left, choice = (*left, *doubted), goals.look_at(doubted, now_s, BEHIND_GLASS)
         if choice is None:
             shut = shut_off(ground, self.trail.points, shortest_m)

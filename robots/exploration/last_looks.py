@@ -43,14 +43,16 @@ def gaps(ground: Ground, below_m: float) -> tuple[Frontier, ...]:
     return tuple(sorted(found, key=lambda gap: (gap.cost_m, gap.goal)))
 
 
-def unproved(ground: Ground, fused: FusedGrid, trail: Array) -> tuple[Frontier, ...]:
+def unproved(
+    ground: Ground, fused: FusedGrid | None, trail: Array, free_logodds: int
+) -> tuple[Frontier, ...]:
     """Return places in pieces of ground that only beams saw that met nothing, nearest first.
 
     So do beams that meet glass, and what a map shows behind it was never seen. ``trail`` (k, 2 or more): x, y
-    in the map frame of where the robot was.
+    in the map frame of where the robot was. ``free_logodds`` as in ``FusedGrid.unsure``.
     """
-    unsure = fused.unsure()
-    if unsure is None or not unsure.any():
+    unsure = None if fused is None else fused.unsure(free_logodds)
+    if fused is None or unsure is None or not unsure.any():
         return ()
     cells = np.floor((trail[:, 1::-1] - fused.origin[::-1]) / fused.resolution_m).astype(int)
     driven = np.ones(unsure.shape, np.bool_)

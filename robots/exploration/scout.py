@@ -28,7 +28,7 @@ from robots.se2 import Pose2
 from robots.tags.deployment import TagDropper
 from robots.tags.map_memory import MAX_BELIEFS, TagBelief, WriterMap
 from robots.tags.marks import key_of
-from robots.tags.memory import TagMemory, TagMemoryError
+from robots.tags.memory import WINDOWS, TagMemory, TagMemoryError
 from robots.tags.sealed import close_memory, open_memory
 from robots.types import FrontierReport, LaserScan, Suspect, TagSighting, TagWrite
 from robots.victims import KnownVictim
@@ -150,7 +150,7 @@ class Scout:
             self.explorer.homing.hear(now.pose)
         drop, say = False, None
         whole, now = now.fused, self._with_local_map(now)
-        self._dropper.magazine(now.tags_left)
+        doubts += self._watch_magazine(now)
         for order in now.orders:
             self.explorer.take(order, self._dropper.left)
         if now.scan is not None:
@@ -196,11 +196,21 @@ class Scout:
         if now.held:
             return False
         if self.decision.drop_tag and self._dropper.drop_here(now.distance_m):
-            self.explorer.errands.tag_dropped()
+            self.explorer.errands.tag_wanted = False
             return True
         # asked at every step, where isinstance of a protocol is slow
         even_m: float = getattr(self.explorer.goals.strategy, "tag_every_m", 0.0)
         return self._dropper.should_drop(now.distance_m, now.pose, now.fused, now.tag_places(), even_m)
+
+    def _watch_magazine(self, now: Situation) -> tuple[str, ...]:
+        """See whether the tag that was to fall has fallen; return a doubt where it has not."""
+        became = self._dropper.magazine(now.tags_left, now.stamp_s)
+        if became == "fell":
+            self.explorer.errands.tag_dropped()
+        if became != "stuck":
+            return ()
+        self.explorer.errands.tag_stuck()
+        return ("a tag was to fall and the magazine counts as many as before: look at its slider",)
 
     def _hear(self, now: Situation, sighting: TagSighting) -> None:
         """Believe what a tag of the mission says of the ground round it; its frame needs a compass."""
@@ -240,10 +250,12 @@ class Scout:
         return TagWrite(tag_id, record)
 
     def _answer(self, now: Situation, tag_id: str, said: TagMemory, own: PlanGrid) -> TagMemory:
+        told = said.merge(replace(self._told_of(now, tag_id, said, own), maps=self._map_to_leave(now)))
         goals, place = self.explorer.goals, now.tag_place(tag_id) if now.north else None
         if goals.view is not None and place is not None and isinstance(goals.strategy, AnswersTags):
-            return goals.strategy.answer(said, goals.view, place)
-        return said.merge(replace(self._told_of(now, tag_id, said, own), maps=self._map_to_leave(now)))
+            rules = goals.strategy.answer(said, goals.view, place)
+            return replace(told, **{name: getattr(rules, name) for name in WINDOWS})
+        return told
 
     def _told_of(self, now: Situation, tag_id: str, said: TagMemory, own: PlanGrid) -> TagMemory:
         """Return what is known of the ground round a tag; its frame needs a compass."""

@@ -92,11 +92,18 @@ class KeepsGoals(Protocol):
 
 @runtime_checkable
 class AnswersTags(Protocol):
-    """A strategy with rules of its own for what a tag holds after it was read."""
+    """A strategy with rules of its own for the ground that a tag holds after it was read."""
 
     def answer(self, memory: TagMemory, view: ExplorationView, tag_m: tuple[float, float]) -> TagMemory:
-        """Return what a tag at a place in the map frame is to hold, given what it said."""
+        """Return a memory whose windows a tag at a place in the map frame is to hold, given what it said."""
         ...
+
+
+@runtime_checkable
+class TakesTheBest(Protocol):
+    """A strategy printed as taking what is worth most, whatever the robot is on its way to."""
+
+    takes_the_best: bool
 
 
 @runtime_checkable

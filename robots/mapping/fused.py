@@ -11,6 +11,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from robots.mapping.changes import Changes
+from robots.mapping.occupancy import proved
 from robots.se2 import Array, Pose2
 
 _MARGIN_CELLS = 80
@@ -23,6 +24,7 @@ class _Drawn:
     row: int  # of the drawing's corner, in cells from the map's origin (may be negative)
     column: int
     cells: NDArray[np.int16]
+    touched: NDArray[np.int32] | None  # the submap's own, still being written where the submap is
 
 
 class FusedGrid:
@@ -46,9 +48,21 @@ class FusedGrid:
         """Lower left corner (x, y) of cell (0, 0) in metres."""
         return self._column0 * self.resolution_m, self._row0 * self.resolution_m
 
-    def unsure(self) -> NDArray[np.bool_] | None:
-        """Return the free cells, (h, w), that no beam crossed that came back; None where it is not kept."""
-        return None
+    def unsure(self, free_logodds: int) -> NDArray[np.bool_] | None:
+        """Return the free cells, (h, w), that no beam crossed that came back; None where it is not kept.
+
+        Free are those of at most ``-free_logodds`` tenths. It is drawn when asked for, which is seldom.
+        """
+        kept = [(drawn, drawn.touched) for drawn in self._drawn.values() if drawn.touched is not None]
+        if not kept:
+            return None
+        found: NDArray[np.bool_] = self.cells <= -free_logodds
+        for drawn, touched in kept:
+            row, column = drawn.row - self._row0, drawn.column - self._column0
+            h, w = drawn.cells.shape
+            sure = self._drawing(proved(touched), drawn.map_from_grid, drawn.row, drawn.column, (h, w))
+            found[row : row + h, column : column + w] &= sure == 0
+        return found
 
     def known(self) -> tuple[NDArray[np.int32], tuple[float, float]]:
         """Return the cells cut to those known, and the corner (x, y) in metres of the first of them.
@@ -90,11 +104,13 @@ class FusedGrid:
         map_from_grid: Pose2,
         cells: NDArray[np.int16] | NDArray[np.int8],
         tolerance_m: float = 0.01,
+        touched: NDArray[np.int32] | None = None,
     ) -> bool:
         """Draw a submap, replacing its earlier drawing; say whether anything changed.
 
         ``map_from_grid`` places the lower left corner of the submap's cell (0, 0). A submap that moved by
-        less than ``tolerance_m`` at its far corner keeps its drawing.
+        less than ``tolerance_m`` at its far corner keeps its drawing. ``touched`` is what ``cast_scan`` keeps
+        of the same cells; it is not copied.
         """
         old = self._drawn.get(key)
         if old is not None:
@@ -105,7 +121,7 @@ class FusedGrid:
         if cells.size == 0:
             self._drawn.pop(key, None)
             return old is not None
-        new = self._draw(version, map_from_grid, cells.astype(np.int16))
+        new = self._draw(version, map_from_grid, cells, touched)
         self._cover(new)
         self._add(new, 1)
         self._drawn[key] = new
@@ -122,17 +138,26 @@ class FusedGrid:
         corners = np.array([[0.0, 0.0], [x, y]])
         return bool(np.abs(a.transform(corners) - b.transform(corners)).max() < tolerance_m)
 
-    def _draw(self, version: int, pose: Pose2, cells: NDArray[np.int16]) -> _Drawn:
+    def _draw(
+        self, version: int, pose: Pose2, cells: NDArray[np.generic], touched: NDArray[np.int32] | None
+    ) -> _Drawn:
         r = self.resolution_m
         h, w = cells.shape
         corners = pose.transform(np.array([[0.0, 0.0], [w * r, 0.0], [0.0, h * r], [w * r, h * r]]))
         left, low = floor(corners[:, 0].min() / r), floor(corners[:, 1].min() / r)
         right, high = ceil(corners[:, 0].max() / r), ceil(corners[:, 1].max() / r)
-        drawing = np.zeros((high - low, right - left), np.int16)
+        drawing = self._drawing(cells, pose, low, left, (high - low, right - left))
+        return _Drawn(version, pose, low, left, drawing, touched)
+
+    def _drawing(
+        self, cells: NDArray[np.generic], pose: Pose2, row: int, column: int, shape: tuple[int, int]
+    ) -> NDArray[np.int16]:
+        r, drawing = self.resolution_m, np.zeros(shape, np.int16)
         _resample(
-            cells, drawing, left + 0.5, low + 0.5, pose.x / r, pose.y / r, cos(pose.theta), sin(pose.theta)
-        )
-        return _Drawn(version, pose, low, left, drawing)
+            cells.astype(np.int16), drawing, column + 0.5, row + 0.5, pose.x / r, pose.y / r,
+            cos(pose.theta), sin(pose.theta),
+        )  # fmt: skip
+        return drawing
 
     def _add(self, drawn: _Drawn, sign: int) -> None:
         row, column = drawn.row - self._row0, drawn.column - self._column0

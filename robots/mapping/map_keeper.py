@@ -26,7 +26,7 @@ class MapKeeper:
         self._reported: dict[int, int] = {}  # anchor -> version
         self._local_from_anchor = Pose2()  # of the submap being written
         self._begun_m = 0.0
-        self._drawn_poses: list[Pose2] = []
+        self._drawn: dict[int, tuple[int, Pose2]] = {}  # anchor -> version, and where its anchor was
         self._report_due_s = 0.0
         self._closed: list[Submap] = []  # finished since the last report
 
@@ -62,16 +62,13 @@ class MapKeeper:
         self._submaps[-1].add_obstacle(self._local_from_anchor.between(point), FELT_RADIUS_M)
 
     def draw(self, poses: list[Pose2]) -> None:
-        """Draw the submaps where the graph now has their anchors.
-
-        Those that moved, and the one being written.
-        """
-        for submap in self._submaps[:-1]:
+        """Draw the submaps that moved or were written where the graph now has their anchors."""
+        for submap in self._submaps:
             pose = poses[submap.anchor]
-            if submap.anchor >= len(self._drawn_poses) or _differs(self._drawn_poses[submap.anchor], pose):
+            version, place = self._drawn.get(submap.anchor, (-1, pose))
+            if version != submap.version or _differs(place, pose):
                 self._put(submap, pose)
-        self._put(self._submaps[-1], poses[self._submaps[-1].anchor])
-        self._drawn_poses = list(poses)
+                self._drawn[submap.anchor] = submap.version, pose
 
     def take_reports(self, stamp_s: float) -> tuple[SubmapReport, ...]:
         """Return the submaps to report now: finished ones at once, the one being written every so often."""
@@ -92,7 +89,7 @@ class MapKeeper:
     def _put(self, submap: Submap, map_from_anchor: Pose2) -> None:
         grid_from_cells = Pose2(submap.origin_x, submap.origin_y)
         place = map_from_anchor @ submap.anchor_from_grid @ grid_from_cells
-        self.fused.put(submap.anchor, submap.version, place, submap.cells)
+        self.fused.put(submap.anchor, submap.version, place, submap.cells, touched=submap.touched)
 
 
 def _differs(a: Pose2, b: Pose2) -> bool:

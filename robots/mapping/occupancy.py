@@ -37,7 +37,8 @@ def cast_scan(
 
     Every cell changes at most once a scan: cells with a hit by ``hit``, cells crossed by a beam by ``-miss``.
     Far readings clear with half the weight, because glass and smoke return them too. ``touched`` (same shape,
-    int32) remembers the cells of scan ``mark``.
+    int32, 0 at first) holds twice the ``mark`` of the last scan that changed a cell, and one more once a beam
+    that came back crossed or ended in it: see ``proved``.
     """
     rows, columns = grid.shape
     for i in range(ranges.shape[0]):  # hits first: they take precedence over beams that graze the same cell
@@ -47,8 +48,8 @@ def cast_scan(
         a = theta + angle_min + i * increment
         c = floor((x + r * cos(a) - origin_x) / resolution)
         w = floor((y + r * sin(a) - origin_y) / resolution)
-        if 0 <= w < rows and 0 <= c < columns and touched[w, c] != mark:
-            touched[w, c] = mark
+        if 0 <= w < rows and 0 <= c < columns and touched[w, c] >> 1 != mark:
+            touched[w, c] = 2 * mark + 1
             grid[w, c] = min(bound, grid[w, c] + hit)
     for i in range(ranges.shape[0]):
         r = float(ranges[i])
@@ -57,6 +58,7 @@ def cast_scan(
         far = not isfinite(r) or r >= range_max - 1e-3
         reach = min(range_max, limit) if far else min(r, limit)
         weight = max(1, miss // 2) if far else miss
+        back = 0 if far else 1
         a = theta + angle_min + i * increment
         dx, dy = cos(a), sin(a)
         # Amanatides and Woo: walk the cells from the sensor to the end of the beam
@@ -71,9 +73,11 @@ def cast_scan(
         end = reach / resolution
         travelled = 0.0
         while travelled < end:
-            if 0 <= w < rows and 0 <= c < columns and touched[w, c] != mark:
-                touched[w, c] = mark
-                grid[w, c] = max(-bound, grid[w, c] - weight)
+            if 0 <= w < rows and 0 <= c < columns:
+                before = touched[w, c]
+                if before >> 1 != mark:
+                    grid[w, c] = max(-bound, grid[w, c] - weight)
+                touched[w, c] = 2 * mark + (before & 1 | back)
             if next_x < next_y:
                 travelled = next_x
                 next_x += inv_x
@@ -84,38 +88,13 @@ def cast_scan(
                 w += step_w
 
 
-@njit(cache=True)
-def mark_sure(
-    sure: NDArray[np.uint8],
-    origin_x: float,
-    origin_y: float,
-    resolution: float,
-    x: float,
-    y: float,
-    theta: float,
-    ranges: FloatArray32,
-    angle_min: float,
-    increment: float,
-    range_max: float,
-    limit: float,
-) -> None:
-    """Mark the cells crossed by beams of a scan, taken at (x, y, theta) in the grid's frame, that came back.
+def proved(touched: NDArray[np.int32]) -> NDArray[np.bool_]:
+    """Return the cells, (h, w), that beams crossed or met that came back, of ``cast_scan``'s ``touched``.
 
     What only others crossed may be free, or lie behind glass.
     """
-    rows, columns = sure.shape
-    for i in range(ranges.shape[0]):
-        r = float(ranges[i])
-        if not isfinite(r) or r >= range_max - 1e-3 or r <= 0.02:
-            continue
-        a = theta + angle_min + i * increment
-        steps = int(2.0 * min(r, limit) / resolution) + 1
-        dx, dy = min(r, limit) * cos(a) / steps, min(r, limit) * sin(a) / steps
-        for k in range(steps + 1):
-            c = floor((x + k * dx - origin_x) / resolution)
-            w = floor((y + k * dy - origin_y) / resolution)
-            if 0 <= w < rows and 0 <= c < columns:
-                sure[w, c] = 1
+    found: NDArray[np.bool_] = (touched & 1).astype(np.bool_)
+    return found
 
 
 @njit(cache=True)

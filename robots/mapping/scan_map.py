@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from robots.config import MappingConfig
 from robots.mapping.fused import FusedGrid
-from robots.mapping.occupancy import cast_scan, mark_sure, stamp_disc
+from robots.mapping.occupancy import cast_scan, proved, stamp_disc
 from robots.se2 import Array, Pose2
 from robots.types import LaserScan
 
@@ -28,7 +28,6 @@ class ScanMap(FusedGrid):
         self.cells = np.zeros(shape, np.int32)
         self._touched: NDArray[np.int32] = np.zeros(shape, np.int32)
         self._mark = np.zeros(1, np.int32)
-        self._sure: NDArray[np.uint8] = np.zeros(shape, np.uint8)
         self._frame_m = (0.0, 0.0)
 
     @property
@@ -37,9 +36,9 @@ class ScanMap(FusedGrid):
         x, y = super().origin
         return x - self._frame_m[0], y - self._frame_m[1]
 
-    def unsure(self) -> NDArray[np.bool_] | None:
+    def unsure(self, free_logodds: int) -> NDArray[np.bool_]:
         """Return the free cells, (h, w), that no beam crossed that came back."""
-        found: NDArray[np.bool_] = (self.cells <= -self._config.miss_logodds) & (self._sure == 0)
+        found: NDArray[np.bool_] = (self.cells <= -free_logodds) & ~proved(self._touched)
         return found
 
     def seen_from(self, x_m: float, y_m: float) -> ScanMap:
@@ -56,9 +55,9 @@ class ScanMap(FusedGrid):
         larger = super().covering(low_m, high_m, factor)
         other.__dict__.update(self.__dict__ | larger.__dict__)
         below, left = self._row0 - larger._row0, self._column0 - larger._column0
-        rows, columns = self._sure.shape
-        other._sure = np.zeros(larger.cells.shape, np.uint8)
-        other._sure[below : below + rows, left : left + columns] = self._sure
+        rows, columns = self.cells.shape
+        other._touched = np.zeros(larger.cells.shape, np.int32)
+        other._touched[below : below + rows, left : left + columns] = self._touched
         return other
 
     def add_scan(self, map_from_base: Pose2, scan: LaserScan) -> None:
@@ -71,10 +70,6 @@ class ScanMap(FusedGrid):
             map_from_base.x, map_from_base.y, map_from_base.theta,
             scan.ranges_m, scan.angle_min_rad, scan.angle_increment_rad, scan.range_max_m,
             config.max_range_m, config.hit_logodds, config.miss_logodds, config.limit_logodds,
-        )  # fmt: skip
-        mark_sure(
-            self._sure, x, y, config.resolution_m, map_from_base.x, map_from_base.y, map_from_base.theta,
-            scan.ranges_m, scan.angle_min_rad, scan.angle_increment_rad, scan.range_max_m, config.max_range_m,
         )  # fmt: skip
         self._note(map_from_base.x, map_from_base.y, min(config.max_range_m, scan.range_max_m))
 

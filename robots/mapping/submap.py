@@ -32,7 +32,7 @@ class Submap:
         self.origin_x = 0.0
         self.origin_y = 0.0
         self.cells: LogOdds = np.zeros((0, 0), np.int16)
-        self._touched: NDArray[np.int32] = np.zeros((0, 0), np.int32)
+        self.touched: NDArray[np.int32] = np.zeros((0, 0), np.int32)  # see ``cast_scan``
         self._mark = 0
 
     def add_scan(self, anchor_from_base: Pose2, scan: LaserScan) -> None:
@@ -44,7 +44,7 @@ class Submap:
         self._mark += 1
         self.version += 1
         cast_scan(
-            self.cells, self._touched, self._mark, self.origin_x, self.origin_y, config.resolution_m,
+            self.cells, self.touched, self._mark, self.origin_x, self.origin_y, config.resolution_m,
             base.x, base.y, base.theta, scan.ranges_m, scan.angle_min_rad, scan.angle_increment_rad,
             scan.range_max_m, limit, config.hit_logodds, config.miss_logodds, config.limit_logodds,
         )  # fmt: skip
@@ -113,8 +113,8 @@ class Submap:
             r = round((self.origin_y - low) / resolution)
             c = round((self.origin_x - left) / resolution)
             cells[r : r + rows, c : c + columns] = self.cells
-            touched[r : r + rows, c : c + columns] = self._touched
-        self.cells, self._touched, self.origin_x, self.origin_y = cells, touched, left, low
+            touched[r : r + rows, c : c + columns] = self.touched
+        self.cells, self.touched, self.origin_x, self.origin_y = cells, touched, left, low
 
 
 def unpack(report: SubmapReport) -> NDArray[np.int8]:

@@ -30,21 +30,28 @@ class TeamRadio:
 
     With ``full`` everybody hears everybody; with ``radio`` those whose signal gets through the walls: each of
     them takes ``WALL_DB``. The base station has the same radio, hears, keeps and passes on. Nothing gets to
-    or from a robot whose radio is cut.
+    or from a robot whose radio is cut. A robot that was to be silent and speaks was told so on the way: from
+    then on it has a radio.
     """
 
     def __init__(self, config: ScenarioConfig, world: World, base_m: tuple[float, float]) -> None:
         self._config = config
         self._world = world
         self._kinds = [config.agent_of(name).planning.communication for name in config.robot_ids]
-        self.talks = any(kind in ("full", "radio") for kind in self._kinds)
         self._base_m = base_m
         self._station = Gossip(BASE, station=True)
         self._station_due_s = 0.0
         self._waiting: list[list[bytes]] = [[] for _ in self._kinds]
 
+    @property
+    def talks(self) -> bool:
+        """Whether any robot speaks."""
+        return any(kind in ("full", "radio") for kind in self._kinds)
+
     def say(self, index: int, message: bytes, poses: Array, clock_s: float) -> None:
         """Carry a robot's message to all who can hear it; ``poses`` (n, 3) are the true ones."""
+        if self._kinds[index] not in ("full", "radio"):
+            self._kinds[index] = "radio"
         if self._cut(index, clock_s):
             return
         here = (float(poses[index, 0]), float(poses[index, 1]))

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from math import cos, exp, floor, hypot, sin
+from typing import Literal
 
 import numpy as np
 from numba import njit
@@ -18,6 +19,8 @@ from robots.mapping.fused import FusedGrid
 from robots.se2 import Array, Pose2
 
 _OPEN_SHARE = 0.12  # of the full rate, in the open
+_FALLS_S = 3.0  # a tag that the magazine still counts so long after it was to fall is stuck
+_STUCK_M, _MOST_TRIES = 5.0, 4  # way until it is tried again, twice as far each time
 
 
 def tag_density(x: float, y: float, tags: Iterable[tuple[float, float]], spacing_m: float) -> float:
@@ -77,6 +80,8 @@ class TagDropper:
         self._rng = np.random.default_rng(seed)
         self._distance_m = 0.0
         self._waiting_until_m = 0.0
+        self._falling: tuple[int, float | None, float] | None = None  # left before, since when, way driven
+        self._times_stuck = 0
         self.left = config.magazine
 
     def should_drop(
@@ -92,7 +97,7 @@ class TagDropper:
         ``even_m``: drop one wherever none lies within so far, unless the settings say how far.
         """
         moved = distance_m - self._distance_m
-        if moved < 0.1 or self.left <= 0 or not fused.cells.size:
+        if moved < 0.1 or self.left <= 0 or self._falling is not None or not fused.cells.size:
             return False
         self._distance_m = distance_m
         if distance_m < self._waiting_until_m:
@@ -111,13 +116,29 @@ class TagDropper:
 
     def drop_here(self, distance_m: float) -> bool:
         """Take a tag out of the magazine, whatever lies here; say whether there was one."""
-        if self.left <= 0:
+        if self.left <= 0 or self._falling is not None:
             return False
+        self._falling = self.left, None, distance_m
         self.left -= 1
         self._waiting_until_m = distance_m + 0.5  # until the dropped tag has been read
         return True
 
-    def magazine(self, tags_left: int | None) -> None:
-        """Take over the count of the magazine from the robot where it counts itself."""
+    def magazine(self, tags_left: int | None, now_s: float) -> Literal["fell", "stuck"] | None:
+        """Take over the magazine's own count; return what became of the tag that was to fall, once known.
+
+        Where nobody counts it is taken to have fallen. One that is stuck is tried again some way on.
+        """
         if tags_left is not None:
             self.left = max(0, tags_left)
+        if self._falling is None:
+            return None
+        before, since_s, driven_m = self._falling
+        if tags_left is None or tags_left < before:
+            self._falling, self._times_stuck = None, 0
+            return "fell"
+        self._falling = before, now_s if since_s is None else since_s, driven_m
+        if since_s is None or now_s - since_s < _FALLS_S:
+            return None
+        self._waiting_until_m = driven_m + _STUCK_M * 2.0 ** min(self._times_stuck, _MOST_TRIES)
+        self._falling, self._times_stuck = None, self._times_stuck + 1
+        return "stuck"

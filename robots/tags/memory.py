@@ -45,6 +45,7 @@ REACH, VISITED_REACH = 31, 10  # cells from the middle to the border
 SIDE = 2 * REACH + 1
 CENTRED = 0x88  # the phase of a tag in the middle of its cell of 1 m
 MAX_PHASE = len(CELLS_M) << 8
+WINDOWS = ("cells", "phase", "reach", "visited", "visited_reach")  # of a memory: what it says of the ground
 WINDOW_HEAD = 2  # bytes: reach and phase
 _HEAD = 1
 _MAPS_FROM, _BESIDE_MAPS = 256, 195  # bytes of room from which maps have theirs; what the others share then

@@ -16,7 +16,7 @@ from server.errors import ApiError
 from server.mission.mission import Mission
 from server.mission.orders import order_value
 from server.people.audit import AuditedRoute
-from server.robot import frontiers_value
+from server.robot_value import frontiers_value
 from server.schemas.orders import FrontiersOut, MethodsIn, MethodsOut, OrderIn, OrderOut, OrdersOut
 
 router = APIRouter(tags=["orders"], responses=ERRORS, dependencies=READS, route_class=AuditedRoute)

@@ -90,7 +90,12 @@ def decode(
         return
     memory = result.pop("memory")
     covered = "".join(memory["window"])
-    counts = {"covered_m2": len(covered) - covered.count("."), "open_m2": covered.count("o")}
+    each_m2 = memory["cell_m"] ** 2
+    counts: dict[str, Any] = {
+        "cell_m": memory["cell_m"],
+        "covered_m2": (len(covered) - covered.count(".")) * each_m2,
+        "open_m2": covered.count("o") * each_m2,
+    }
     counts |= {kind: len(memory[kind]) for kind in ("victims", "notes", "passes")}
     maps = {each["robot_id"]: f"{len(each['tags'])} tags" for each in memory["maps"]}
     print_table(f"tag {tag_id}", {**result, **counts, "maps": maps or None})
@@ -98,7 +103,7 @@ def decode(
 
 @tag.command()
 def show(file: FileArgument, tag_id: IdOption, key: KeyOption = "") -> None:
-    """Draw the ground round a tag as its memory has it, north up, 1 m a character; then all else it holds."""
+    """Draw the ground round a tag as its memory has it, north up, a cell a character; then all else."""
     from robots.tags.describe import sentences
 
     result = _read(file, tag_id, key)
@@ -108,7 +113,10 @@ def show(file: FileArgument, tag_id: IdOption, key: KeyOption = "") -> None:
     print(window[middle][:middle] + "T" + window[middle][middle + 1 :])
     print("\n".join(window[middle + 1 :]), end="\n" if middle else "")
     seal = "the mission's seal" if result["trusted"] else "no seal of this mission: do not believe it"
-    print(f"T tag {tag_id}  . unseen  o covered, with an open edge  # covered  ({seal})")
+    print(
+        f"T tag {tag_id}  . unseen  o covered, with an open edge  # covered  "
+        f"a cell: {result['memory']['cell_m']:g} m  ({seal})"
+    )
     print(*sentences(result["memory"]), sep="\n")
 
 

@@ -256,12 +256,17 @@ class Mission:
         ]
         await self._store.log.append_observations(self.mission_id, robot.robot_id, records)
         self._relay.done(robot, fresh[0])
+        is_stop_heard = robot.stopping.take(fresh, robot.last_stamp_s)
         robot.next_seq = fresh[-1].seq + 1
         robot.last_stamp_s = fresh[-1].stamp_s
         robot.battery = next((o.battery for o in reversed(fresh) if o.battery is not None), robot.battery)
+        if not robot.is_unanswered:
+            robot.asked_at_s = time.monotonic()
         robot.thought = self._tasks.spawn(
             self._thinking.think(robot, [(record.seq, record.body) for record in records])
         )
+        if is_stop_heard:
+            self.roster.publish([robot])
         await self.orders.delivered(fresh)
         await self.memories.keep_read(robot.robot_id, fresh)
         await self.nodes.take(robot.robot_id, fresh)

@@ -8,11 +8,12 @@ import gzip
 import hashlib
 import json
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import isfinite
 from typing import Any
 
+from robots.routes.place_kind import PlaceKind
 from robots.routes.planner import RouteMap
 from robots.routes.ways import centimetres
 from robots.team import TeamGrid
@@ -79,14 +80,21 @@ class Pocket:
                     "x_axis_deg": self._routes.north.x_axis_deg,
                 }
                 roads = self._routes.roads(grid)
-                pack = await asyncio.to_thread(pack_of, head, kinds, roads, image, grid)
+                pack = await asyncio.to_thread(
+                    pack_of, head, kinds, roads, image, grid, self._routes.place_kind
+                )
                 self._of, self._pack = now, pack
             self._packed_s = time.monotonic()
             return pack
 
 
 def pack_of(
-    head: Value, kinds: dict[str, list[Value]], roads: RouteMap, image: MapImage | None, grid: TeamGrid | None
+    head: Value,
+    kinds: dict[str, list[Value]],
+    roads: RouteMap,
+    image: MapImage | None,
+    grid: TeamGrid | None,
+    place_kind: Callable[[TeamGrid | None, Value], PlaceKind],
 ) -> Pack:
     """Return the file: ``head`` and what ``kinds`` of the board's values hold, with the ways and the plan."""
     places = places_of(kinds["tag"])
@@ -110,6 +118,7 @@ def pack_of(
             "y_m": places[tag["tag_id"]][1],
             "sd_m": sd_of(tag),
             "notice": tag["notice"],
+            "place_kind": place_kind(grid, tag),
         }
         for tag in kinds["tag"][: _MOST["tags"]]
     ]

@@ -62,6 +62,7 @@ def reply_to(
     if not told and robot.told:
         told = [next(reversed(robot.told.values()))]
     command = merged_command([item.command for item in told]) if told else Command()
+    robot.stopping.tell()
     if robot.held:
         command = Command()
     if robot.communication == "full" and robot.record.agent == "server":

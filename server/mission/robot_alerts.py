@@ -6,15 +6,17 @@ a live one. Each alert has a lower bar to raise it and a higher one to end it.
 
 from __future__ import annotations
 
-from collections import deque
 from dataclasses import dataclass, field
 from math import exp
 
+from robots.se2 import Pose2
+from robots.types import AgentUpdate
 from server.mission.alerts import Alerts
 from server.mission.events import Events
 from server.robot import Robot
 
-_STUCK_TIMES, _STUCK_WITHIN_S, _STUCK_OVER_S = 3, 60.0, 30.0
+# So often at one place, over so long: robots that wait for one another back off too, and get past.
+_STUCK_TIMES, _STUCK_WITHIN_M, _STUCK_FOR_S, _STUCK_OVER_S = 3, 1.0, 30.0, 30.0
 _SLIP_S, _SLIP_RAISES, _SLIP_ENDS = 10.0, 0.5, 0.1  # share of the time, averaged over so long
 _BATTERY_WARNS, _BATTERY_ALARMS, _BATTERY_ENDS = 0.2, 0.1, 0.25
 _TAGS_WARN, _TAGS_END = 3, 6
@@ -26,7 +28,9 @@ class _Watched:
 
     stamp_s: float | None = None
     activity: str = ""
-    stuck_s: deque[float] = field(default_factory=deque)  # when it began to be stuck
+    stuck_times: int = 0  # since it came to where it is
+    stuck_at: Pose2 = field(default_factory=Pose2)  # the first of them, map frame
+    stuck_since_s: float = 0.0
     last_stuck_s: float = 0.0
     slip_share: float = 0.0
 
@@ -51,22 +55,26 @@ class RobotAlerts:
         await self._alerts.end("agent", name, f"The agent of {name} answers again.", event="agent_answers")
         if update.activity == "done" and before != "done":
             await self._events.tell("done", f"{name} is done: {update.reason}.", name)
-        await self._stuck(name, watched, update.stamp_s, before, update.reason)
+        await self._stuck(name, watched, before, update)
         await self._slipping(name, watched, elapsed_s, update.slipping)
         await self._battery(name, robot.battery)
         await self._magazine(name, update.tags_left)
 
-    async def _stuck(self, name: str, watched: _Watched, now_s: float, before: str, reason: str) -> None:
-        if watched.activity == "stuck":
+    async def _stuck(self, name: str, watched: _Watched, before: str, update: AgentUpdate) -> None:
+        now_s, is_stuck = update.stamp_s, update.activity == "stuck"
+        got_away = update.pose.distance(watched.stuck_at) > _STUCK_WITHIN_M
+        if got_away or now_s - watched.last_stuck_s > _STUCK_OVER_S:
+            watched.stuck_times = 0
+        if is_stuck:
+            if watched.stuck_times == 0:
+                watched.stuck_at, watched.stuck_since_s = update.pose, now_s
+            watched.stuck_times += before != "stuck" or watched.stuck_times == 0
             watched.last_stuck_s = now_s
-            if before != "stuck":
-                watched.stuck_s.append(now_s)
-        while watched.stuck_s and watched.stuck_s[0] < now_s - _STUCK_WITHIN_S:
-            watched.stuck_s.popleft()
-        if len(watched.stuck_s) >= _STUCK_TIMES:
-            text = f"{name} is stuck: {reason}."
+        long = now_s - watched.stuck_since_s >= _STUCK_FOR_S
+        if is_stuck and long and watched.stuck_times >= _STUCK_TIMES:
+            text = f"{name} is stuck: {update.reason}."
             await self._alerts.raise_("stuck", name, text, "warning", event="stuck", robot_id=name)
-        elif now_s - watched.last_stuck_s > _STUCK_OVER_S:
+        elif watched.stuck_times == 0:
             await self._alerts.end("stuck", name, f"{name} is free again.", event="stuck_over")
 
     async def _slipping(self, name: str, watched: _Watched, elapsed_s: float, slips: bool) -> None:

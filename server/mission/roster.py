@@ -16,7 +16,8 @@ from server.board import Board
 from server.errors import ApiError, unknown
 from server.mission.alerts import Alerts
 from server.mission.tasks import Tasks
-from server.robot import Robot, RobotLog, frontiers_value, robot_value
+from server.robot import Robot, RobotLog
+from server.robot_value import frontiers_value, robot_value
 
 log = structlog.get_logger()
 
@@ -112,7 +113,8 @@ class Roster:
             on_restart=restarted,
             on_trouble=in_trouble,
         )
-        robot = Robot(record, host, next_seq=done_seq + 1, stopped=record.stopped)
+        robot = Robot(record, host, next_seq=done_seq + 1)
+        robot.stopping.order(record.stopped)
         robot.located = record.start_pose is not None
         robot.paused = self.record.state == "paused"
         self.robots[robot_id] = robot

@@ -8,6 +8,7 @@ from math import degrees, hypot, sqrt
 
 import numpy as np
 
+from robots.routes.place_kind import PlaceKind
 from robots.routes.planner import Hazard, Leg, NoRouteError, RouteMap
 from robots.routes.sight import is_clear
 from robots.routes.texts import Language, say
@@ -16,6 +17,7 @@ from robots.routes.words import North, metres, warning
 from robots.team import TeamGrid
 from server.board import Board, Value
 from server.errors import ApiError, unknown
+from server.mission.place_kinds import PlaceKinds
 
 _IN_SIGHT_M = 15.0  # from a tag to what is looked for
 _AT_ONCE = 5  # of the nearest tags in sight, so many are tried
@@ -43,6 +45,7 @@ class Routes:
         self._board = board
         self._of: list[object] = []  # what the roads were made of; values of a board never change in place
         self._roads = RouteMap([])
+        self._place_kinds = PlaceKinds()
 
     @property
     def north(self) -> North:
@@ -65,6 +68,13 @@ class Routes:
             (way.to_tag, way, self.north.bearing_deg(way.points_m[0], way.points_m[1]))
             for way in self._roads.neighbours(tag_id)
         ]
+
+    def place_kind(self, grid: TeamGrid | None, tag: Value) -> PlaceKind:
+        """Return of what kind a tag's place is, "" where the map does not tell or the tag is doubtful."""
+        if tag["notice"]:
+            return ""
+        tag_id = tag["tag_id"]
+        return self._place_kinds.of(grid, tag_id, places_of([tag])[tag_id], sd_of(tag))
 
     def roads(self, grid: TeamGrid | None) -> RouteMap:
         """Return the tags and ways as they are now; what is returned never changes."""

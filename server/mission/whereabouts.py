@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import hypot
 from typing import Any
 
+from robots.routes.place_kind import PlaceKind
 from robots.routes.texts import Language, say
 from robots.routes.words import North, metres
 from server.board import Board
@@ -41,6 +42,7 @@ def whereabouts(
                     "reachable": route is not None,
                 }
             )
+    kind = routes.place_kind(grid, tag)
     victims.sort(key=lambda v: (not v["reachable"], v["distance_m"]))
     return {
         "tag_id": tag_id,
@@ -48,7 +50,8 @@ def whereabouts(
         "y_m": tag["y_m"],
         "sd_m": hypot(tag["covariance"][0] ** 0.5, tag["covariance"][2] ** 0.5),
         "notice": tag["notice"],
-        "text": _text(tag_id, neighbours, victims, language, routes.north),
+        "place_kind": kind,
+        "text": _text(tag_id, kind, neighbours, victims, language, routes.north),
         "north": routes.north.kind,
         "neighbours": neighbours,
         "victims": victims,
@@ -64,12 +67,14 @@ def _route(routes: Routes, grid: Any, tag_id: str, victim_id: str) -> Route | No
 
 def _text(
     tag_id: str,
+    kind: PlaceKind,
     neighbours: list[dict[str, Any]],
     victims: list[dict[str, Any]],
     language: Language,
     north: North,
 ) -> str:
-    words = [say(language, "you_are_at", tag=tag_id)]
+    here = say(language, f"in_{kind}") if kind else ""
+    words = [say(language, "you_are_in" if kind else "you_are_at", tag=tag_id, place=here)]
     if neighbours:
         there = [
             say(

@@ -10,6 +10,7 @@ from db.records import AnnotationKind
 from db.victim_records import Triage, VictimStatus
 from server.schemas.alerts import EvacuationOut
 from server.schemas.common import Wire
+from server.schemas.routes import PlaceKindOut
 
 End = tuple[str, int]
 
@@ -22,6 +23,7 @@ class PocketTagOut(Wire):
     y_m: float
     sd_m: float
     notice: str
+    place_kind: PlaceKindOut
 
 
 class PocketVictimOut(Wire):

@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from db.victim_records import VictimStatus
+from robots.routes.place_kind import PlaceKind
 from server.schemas.common import Wire
 
 NorthKind = Annotated[
@@ -16,6 +17,12 @@ NorthKind = Annotated[
         " along x, where nobody has said how it lies on the Earth. A compass shows magnetic north, some"
         " degrees off true; by how much here is not known."
     ),
+]
+
+
+PlaceKindOut = Annotated[
+    PlaceKind,
+    Field(description="Of what kind the place is by the walls round it; empty where the map does not tell."),
 ]
 
 
@@ -69,6 +76,7 @@ class WhereOut(Wire):
     y_m: float
     sd_m: float = Field(description="Standard deviation of its place.")
     notice: str
+    place_kind: PlaceKindOut
     text: str
     north: NorthKind
     neighbours: list[NeighbourOut]

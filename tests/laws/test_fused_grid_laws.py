@@ -86,6 +86,25 @@ def test_the_order_does_not_matter(put, random):
     assert known(first) == known(second)
 
 
+@given(st.lists(st.tuples(poses, submaps, st.integers(0, 2**32 - 1)), min_size=1, max_size=4))
+def test_unsure_is_what_is_free_and_no_submap_proves(put):
+    """Each submap's proof, drawn alone as a map of its own, lies where its log-odds lie."""
+    grid, expected = FusedGrid(RESOLUTION), set()
+    for key, (pose, cells, seed) in enumerate(put):
+        touched = np.random.default_rng(seed).integers(0, 9, cells.shape).astype(np.int32)
+        grid.put(key, 0, pose, cells, touched=touched)
+        proof = FusedGrid(RESOLUTION)
+        proof.put("proof", 0, pose, (touched & 1).astype(np.int16))
+        expected |= set(known(proof))
+    free = {cell for cell, value in known(grid).items() if value <= -4} - expected
+    unsure, (x, y) = grid.unsure(4), grid.origin
+    row0, column0 = round(y / RESOLUTION), round(x / RESOLUTION)
+    assert {(row0 + int(r), column0 + int(c)) for r, c in np.argwhere(unsure)} == free
+    for key in range(len(put)):
+        grid.drop(key)
+    assert grid.unsure(4) is None
+
+
 @given(drawings, poses)
 def test_moving_is_dropping_and_putting(put, there):
     moved, anew = FusedGrid(RESOLUTION), FusedGrid(RESOLUTION)

@@ -195,7 +195,10 @@ def test_a_mission_is_watched_and_stopped(
         # the robot falls silent, then the server ends: neither passes for live
         robot.stop()
         expect(mark).to_have_attribute("data-link", "late", timeout=SOON_MS)
-        expect(card.locator(".stop-state")).to_have_text("Stop ordered")
+        expect(card.locator(".stop-state")).to_have_text("Not heard")
+        expect(card.locator(".reason")).to_have_text(
+            re.compile("^Stood still when last heard, .* s ago: it had heard STOP")
+        )
         serve.stop(host)
         expect(page.locator("#veil")).to_contain_text("STALE since", timeout=SOON_MS)
         expect(page.locator(".connection")).to_have_text("Stale")

@@ -69,14 +69,14 @@ def test_a_copy_is_told_to_whoever_touches_it_and_to_the_commander(home: str, pa
 
     def touch(tag: str) -> None:
         page.goto(f"{home}/t/{tag}")
-        expect(page.get_by_text(f"You are at tag {tag}.")).to_be_visible(timeout=SOON_MS)
+        expect(page.get_by_text(f"You are at tag {tag}")).to_be_visible(timeout=SOON_MS)
         expect(page.get_by_text("Data of")).to_be_visible(timeout=SOON_MS)
 
     with httpx.Client(base_url=f"{home}/api/v1/missions/twins", timeout=90) as api:
         touch("A0")
         page.get_by_label("The number on the tag").fill("A2")
         page.get_by_role("button", name="Where am I?").click()
-        expect(page.get_by_text("You are at tag A2.")).to_be_visible(timeout=SOON_MS)
+        expect(page.get_by_text("You are at tag A2")).to_be_visible(timeout=SOON_MS)
         expect(told).to_have_count(0)  # whoever looks a tag up is not there
         touch("A1")
         expect(told).to_have_count(0)
@@ -89,7 +89,7 @@ def test_a_copy_is_told_to_whoever_touches_it_and_to_the_commander(home: str, pa
         assert alert["tag_id"] == "A2"
         assert alert["text"].startswith("operator touched tag A2 ")
         page.reload()
-        expect(page.get_by_text("You are at tag A2.")).to_be_visible(timeout=SOON_MS)
+        expect(page.get_by_text("You are at tag A2")).to_be_visible(timeout=SOON_MS)
         expect(told).to_have_count(0)  # a page that is loaded again was not touched
         touch("A0")  # where it can have come to from A1: it was A2 that was odd
         expect(told).to_have_count(0)

@@ -40,7 +40,7 @@ def test_a_responder_is_led_from_a_tag_to_the_victim_and_leaves_word(field: Fiel
     page.get_by_label("The number on the tag").fill(f" {tag[:1]} {tag[1:]} ")
     page.get_by_role("button", name="Where am I?").click()
     expect(page.get_by_role("heading", name=f"Tag {tag}")).to_be_visible(timeout=SOON_MS)
-    expect(page.get_by_text(f"You are at tag {tag}.")).to_be_visible()
+    expect(page.get_by_text(f"You are at tag {tag}")).to_be_visible()
 
     page.get_by_role("button", name=f"Victim {field.victim}").click()
     guide = page.locator(".go")
@@ -123,7 +123,7 @@ def test_the_page_brings_the_answer_with_it(field: Field, context: BrowserContex
     context.route("**/app/**", lambda route: route.abort())
     page = context.new_page()
     response = page.goto(f"{field.home}/t/{tag}?mission=drill")
-    expect(page.get_by_text(f"You are at tag {tag}.")).to_be_visible(timeout=SOON_MS)
+    expect(page.get_by_text(f"You are at tag {tag}")).to_be_visible(timeout=SOON_MS)
     assert response is not None
     assert response.headers["cache-control"] == "private, no-store"
     with httpx.Client(base_url=field.home, headers={"Accept-Language": "fr, de;q=0.8, en"}) as client:
@@ -148,7 +148,7 @@ def test_a_phone_without_signal_opens_cold_answers_leads_and_keeps_reports(
     cold.on("pageerror", lambda error: problems.append(str(error)))
     tag = field.links[0][0]
     cold.goto(f"{field.home}/t/{tag}")
-    expect(cold.get_by_text(f"You are at tag {tag}.")).to_be_visible(timeout=SOON_MS)
+    expect(cold.get_by_text(f"You are at tag {tag}")).to_be_visible(timeout=SOON_MS)
     expect(cold.get_by_text(re.compile(r"Data of \d\d:\d\d, \d+ s old"))).to_be_visible()
     expect(cold.get_by_text("No signal.")).to_be_visible(timeout=SOON_MS)
     cold.get_by_role("button", name=f"Victim {field.victim}").click()

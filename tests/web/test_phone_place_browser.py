@@ -36,7 +36,7 @@ def test_without_a_compass_the_tag_behind_leads_and_with_one_the_arrow_turns(
         ways = {c: api.get("/routes", params={"from": a, "to": f"tag:{c}"}).json() for c in tags}
     c = next(c for c, way in ways.items() if len(way.get("legs", ())) > 1)
     page.goto(f"{field.home}/t/{a}")
-    expect(page.get_by_text(f"You are at tag {a}.")).to_be_visible(timeout=SOON_MS)
+    expect(page.get_by_text(f"You are at tag {a}")).to_be_visible(timeout=SOON_MS)
     goal = {"mission": "drill", "to": f"tag:{c}", "whole_m": 0}
     page.evaluate("(goal) => localStorage.setItem('waymark.target', JSON.stringify(goal))", goal)
     page.reload()

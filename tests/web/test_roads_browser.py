@@ -23,6 +23,7 @@ from server.mission.whereabouts import whereabouts
 from web.mount import mount_web
 
 CASES = 30
+KINDS = {"", "corridor", "room", "open_area"}  # that chance draws
 ASK = """async (cases) => {
   const { Roads } = await import("/static/phone/roads.js");
   const { routeTo, whereIs } = await import("/static/phone/where.js");
@@ -103,6 +104,9 @@ def board_of(rng: np.random.Generator) -> tuple[Board, TeamGrid | None]:
     if rng.random() < 0.5:
         return board, None
     cells = np.where(rng.random((200, 200)) < rng.choice([0.01, 0.05]), 100, 0).astype(np.int8)
+    if rng.random() < 0.4:  # walls between the tags: corridors, and with the second ones rooms
+        cells[(6.0 + 12.5 * np.arange(15)).astype(int)] = 100
+        cells[:, 6 :: 25 if rng.random() < 0.5 else 200] = 100
     return board, TeamGrid(cells, (-5.0, -5.0), 0.2, 1)
 
 
@@ -121,7 +125,7 @@ def case_of(seed: int, language: Language) -> tuple[dict[str, Any], dict[str, An
         "evacuation": None,
         "x_axis_deg": routes.north.x_axis_deg,
     }
-    pocket = json.loads(pack_of(head, kinds, routes.roads(grid), None, grid).plain)
+    pocket = json.loads(pack_of(head, kinds, routes.roads(grid), None, grid, routes.place_kind).plain)
     names = [value["tag_id"] for value in kinds["tag"]]
     goals = [f"tag:{name}" for name in names] + [f"victim:{v['victim_id']}" for v in kinds["victim"]]
     goals += [f"note:{note['annotation_id']}" for note in kinds["annotation"]]
@@ -163,6 +167,7 @@ def test_a_phone_finds_the_servers_routes_and_words(page: Page, language: Langua
     legs = sum(len(route["legs"]) for _, expected in cases for route in expected["routes"] if route)
     assert found > 200
     assert legs > 300
+    assert {where["place_kind"] for _, expected in cases for where in expected["where"]} == KINDS
     for (_, expected), answer in zip(cases, answers, strict=True):
         for theirs, ours in zip(expected["routes"], answer["routes"], strict=True):
             assert (ours is None) == (theirs is None)

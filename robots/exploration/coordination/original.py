@@ -3,7 +3,8 @@
 It gives out what the market of Simmons et al. (2000) and Zlot et al. (2002) gives out. As a straight line is
 never longer than the way, and worth falls with distance, the pair found is the best by ways that there is;
 that holds for strategies that weigh a frontier by its own way, like eq. (1), and not where another's way
-moves the scale, like eq. (2).
+moves the scale, like eq. (2). Robots that are on their way keep their goals (``Team.worths_by``): what they
+head for is given out to them before the best of the others is looked for.
 """
 
 from __future__ import annotations

@@ -14,7 +14,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from robots.exploration.strategy import ExplorationView, Strategy, goals_of, ways_of
+from robots.exploration.strategy import ExplorationView, Strategy, TakesTheBest, goals_of, ways_of
 from robots.planning.travel import UNREACHED, travel_costs
 from robots.se2 import Array, Pose2
 
@@ -110,14 +110,15 @@ class Team:
     def worths_by(self, robot: int, ways_m: Array) -> Array:
         """Return what the frontiers are worth to a robot if the ways to them were so long, (n,) in metres.
 
-        What it is on its way to already is worth a share of the way more, so that it is not given up lightly.
+        What it is on its way to already is worth a share of the way more, so that it is not given up lightly,
+        unless the strategy is printed otherwise.
         """
         view = self.view if robot == self.me else replace(
             self.view, pose=self._poses[robot], trail=np.zeros((0, 4)), path_m=np.zeros((0, 2))
         )  # fmt: skip
         worths: Array = np.array(self._strategy.worths(view.with_ways(ways_m)), np.float64)
         same = self.heading_for(robot)
-        if same is not None:
+        if same is not None and not isinstance(self._strategy, TakesTheBest):
             worths[same] += KEEP_UNLESS * ways_m[same]
         return worths
 

@@ -79,6 +79,12 @@ class Errands:
             self._report(self._tag_order, "done", "dropped a tag")
         self._tag_order, self.tag_wanted = None, False
 
+    def tag_stuck(self) -> None:
+        """Note that the magazine let no tag fall."""
+        if self._tag_order is not None:
+            self._report(self._tag_order, "failed", "no tag fell out of the magazine: look at its slider")
+        self._tag_order, self.tag_wanted = None, False
+
     def overruled(self, why: str) -> None:
         """Give up going to a place: the robot has to go back."""
         if self.standing is not None and self.standing.kind in PLACED:

@@ -5,7 +5,9 @@ frontiers off a tag that it has never seen itself (isFrontierCell asks its own m
 l_r - f and reads l_r + f, which mirrors a frontier through the tag. Only where the print divides by zero, the
 age of a location that was added just now, one second is taken; and a location that comes from a tag is as old
 as its reading, because a tag says nothing else.
-Cells on tags are those of its memory: frontiers of 1 m, visited places of 0.4 m.
+Cells on tags are those of its memory: frontiers on the lattice of its coverage, visited places of 0.4 m; what
+robots of other strategies call covered and closed is left as it is. V_r keeps the latest visits alone once
+there are more than anybody would wait for.
 """
 
 from __future__ import annotations
@@ -19,17 +21,32 @@ from robots.exploration.strategies.kleiner import is_foreign
 from robots.exploration.strategy import ExplorationView, goals_of, ways_of
 from robots.planning.plan_grid import FREE, UNKNOWN, PlanGrid
 from robots.se2 import Array
-from robots.tags.memory import OPEN, REACH, VISITED_M, VISITED_REACH, TagMemory, centred_phase
+from robots.tags.memory import (
+    CLOSED,
+    OPEN,
+    REACH,
+    UNSEEN,
+    VISITED_M,
+    VISITED_REACH,
+    TagMemory,
+    cell_of,
+    centred_phase,
+    shift_of,
+)
+from robots.tags.window import joined
 
 _LEAST_AGE_S = 1.0
+_MOST_VISITS = 20_000
 _CYCLE_M = 0.5  # between poses of the planned trajectory: as far as a robot drives from one plan to the next
 
 
 class KleinerPrinted:
     """Weighs frontiers by eq. (6) to (8) and answers tags by Algorithms 1 and 2."""
 
+    takes_the_best = True
+
     def __init__(self) -> None:
-        self._visited: list[Array] = []  # V_r: x, y, stamp; (n, 3) from each cycle and each tag
+        self._visited: Array = np.zeros((0, 3))  # V_r: x, y, stamp, from each cycle and each tag
         self._foreign: Array = np.zeros((0, 2))  # F_o
         self._cycle_s: float | None = None
 
@@ -38,8 +55,7 @@ class KleinerPrinted:
         self._note(view)
         told = view.settings.kleiner
         k = is_foreign(view, self._foreign)  # (8)
-        visits = np.concatenate([np.zeros((0, 3)), *self._visited])
-        utility = k - told.printed_beta * pull(goals_of(view), visits, view.now_s)  # (7)
+        utility = k - told.printed_beta * pull(goals_of(view), self._visited, view.now_s)  # (7)
         worths: Array = utility / told.alpha - ways_of(view)  # (6)
         return worths
 
@@ -49,23 +65,27 @@ class KleinerPrinted:
         return f"a frontier of {'another' if foreign else 'this'} robot, by Kleiner's printed utility"
 
     def answer(self, memory: TagMemory, view: ExplorationView, tag_m: tuple[float, float]) -> TagMemory:
-        """Synchronise with a tag at a place in the map frame; return what it holds from now on."""
+        """Synchronise with a tag at a place in the map frame; return what its windows hold then."""
         if view.grid is None:
             return memory
-        place, tau_m, cell_m = np.array(tag_m), view.settings.kleiner.tau_m, view.settings.tag_cell_m
-        visits = np.concatenate([view.trail[:, [0, 1, 3]], *self._visited])[:, :2]
+        phase = memory.phase if memory.has_coverage else centred_phase(view.settings.tag_cell_m)
+        place, tau_m, cell_m = np.array(tag_m), view.settings.kleiner.tau_m, cell_of(phase)
+        visits = np.concatenate([view.trail[:, :2], self._visited[:, :2]])
         added, v_tag = synchronise_visited(visits, memory.visited_m, place, tau_m)
         stamps = np.full((len(added), 1), view.now_s)
-        self._visited.append(np.hstack([added, stamps]))
+        self._note_visits(np.hstack([added, stamps]))
         edges = frontier_cells(view.grid)
         found, f_tag = synchronise_frontiers(
             edges, memory.frontiers_m, place, tau_m, lambda at: near_any(at, edges, cell_m / 2.0)
         )
         self._foreign = np.unique(np.concatenate([self._foreign, found]), axis=0)
         return TagMemory(
-            _window(f_tag, cell_m, REACH) * np.uint8(OPEN),
+            joined(
+                _window(f_tag - np.array(shift_of(phase)), cell_m, REACH) * np.uint8(OPEN),
+                np.where(memory.cells == CLOSED, CLOSED, UNSEEN).astype(np.uint8),
+            ),
             visited=_window(v_tag, VISITED_M, VISITED_REACH),
-            phase=centred_phase(cell_m),
+            phase=phase,
         )
 
     def _note(self, view: ExplorationView) -> None:
@@ -81,7 +101,10 @@ class KleinerPrinted:
         )
         here = np.array([[view.pose.x, view.pose.y]])
         stamps = view.now_s + np.arange(len(planned) + 1.0)
-        self._visited.append(np.column_stack([np.concatenate([here, planned]), stamps]))
+        self._note_visits(np.column_stack([np.concatenate([here, planned]), stamps]))
+
+    def _note_visits(self, visits: Array) -> None:
+        self._visited = np.concatenate([self._visited, visits])[-_MOST_VISITS:]
 
 
 def pull(places: Array, visits: Array, now_s: float) -> Array:

@@ -25,6 +25,7 @@ from robots.tags.memory import CLOSED, TagMemory
 FROM_AFAR_M = 1.5  # a tag read from so far was read before the robot drove where its writer did
 _SURE_SD = 2.0  # deviations of a tag's place that what it says has to hold for, to be believed
 _SAME_VICTIM_M = 1.0  # a first heat reading is off by so much
+_SURE_OF_VICTIM = 0.4 * 255  # less sure, a warm spot there is looked into all the same
 PlaceOf = Callable[[str], tuple[float, float] | None]  # of a tag in the map frame, None where unknown
 
 
@@ -103,12 +104,13 @@ class Claims:
         return tuple(found)
 
     def victims(self, place_of: PlaceOf) -> tuple[ToldVictim, ...]:
-        """Return the victims that tags tell of, as the tags lie now."""
+        """Return the victims that tags are sure of, as the tags lie now."""
         return tuple(
             ToldVictim(tag.place_m[0] + 0.1 * mark.north_dm, tag.place_m[1] + 0.1 * mark.west_dm, within_m)
             for tag in self.tags(place_of)
             for within_m in (_SAME_VICTIM_M + _SURE_SD * self._sds_m[tag.tag_id],)
             for mark in tag.memory.victims
+            if mark.confidence >= _SURE_OF_VICTIM
         )
 
     def survey(self, grid: PlanGrid, tags: Sequence[KnownTag]) -> Survey:

@@ -7,7 +7,9 @@ import numpy as np
 from robots.config import AgentConfig, DeploymentConfig, PlanningConfig, TagMemoryConfig
 from robots.exploration.scout import Scout, Situation
 from robots.mapping.map_keeper import MapKeeper
+from robots.orders import RobotOrder
 from robots.se2 import Pose2
+from robots.tags.marks import Note, Notes, Pass, VictimMark
 from robots.tags.memory import CLOSED, TagMemory
 from robots.tags.sealed import close_memory, open_memory
 from robots.types import LaserScan, TagSighting
@@ -83,3 +85,43 @@ def test_where_others_were_heard_is_where_it_goes_when_the_battery_does_not_reac
     assert scout.explorer.homing.contact_m is None
     scout.step(situation(pose=Pose2(1.0, 0.2, 0.0), heard=(b"even a garbled message",)))
     assert scout.explorer.homing.contact_m == (1.0, 0.2)
+
+
+def test_a_robot_with_rules_of_its_own_for_the_ground_keeps_all_else_that_a_tag_holds():
+    said = TagMemory(
+        np.full((5, 5), CLOSED, np.uint8),
+        victims=(VictimMark(200, 3, 40, -20, 77),),
+        notes=Notes((Note(1, "Kim", "gas"),)),
+        passes=(Pass(2, 0, 4, 0, 99),),
+    )
+    scout = Scout("r1", replace(CONFIG, planning=PlanningConfig(explore="kleiner-printed")))
+    scout.step(situation())
+    intent = scout.step(
+        situation(stamp_s=2.0, read=(TagSighting("T", close_memory(said, 1, "T", KEY, 196)),))
+    )
+    (write,) = intent.writes
+    left = open_memory(write.memory, "T", KEY).memory
+    assert len(left.frontiers_m) > 0
+    assert (left.cells == CLOSED).sum() == 25
+    assert (left.victims, left.notes) == (said.victims, said.notes)
+    assert {passed.key for passed in left.passes} > {99}
+
+
+def test_an_order_to_drop_a_tag_is_done_once_it_has_fallen_and_fails_where_it_does_not():
+    order = RobotOrder("o1", "drop_tag")
+    for left, came in ((4, ("done", "dropped a tag")), (5, ("failed", "no tag fell"))):
+        scout = Scout("r1", replace(CONFIG, deployment=DeploymentConfig(rate_per_m=0.0)))
+        scout.step(situation(tags_left=5, orders=(order,)))
+        assert (
+            scout.step(situation(stamp_s=1.2, tags_left=5)).drop or scout.explorer.errands.tag_wanted is False
+        )
+        assert scout.explorer.errands.take_reports() == ()
+        doubts = ()
+        for second in range(2, 7):
+            intent = scout.step(situation(stamp_s=float(second), tags_left=left))
+            assert not intent.drop
+            doubts += intent.doubts
+        (report,) = scout.explorer.errands.take_reports()
+        assert (report.order_id, report.state) == ("o1", came[0])
+        assert report.text.startswith(came[1])
+        assert len(doubts) == (left == 5)

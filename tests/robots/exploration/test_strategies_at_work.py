@@ -4,6 +4,7 @@ import pytest
 
 from robots.agent import RobotAgent
 from robots.config import AgentConfig, DeploymentConfig, PlanningConfig
+from robots.exploration.coordination import COORDINATIONS
 from robots.exploration.strategies import STRATEGIES
 from robots.sim.runner import run
 from robots.sim.scenario import ScenarioConfig
@@ -31,6 +32,24 @@ def test_a_mission_ends_without_an_error_and_sees_ground(name, local_map_m):
     assert result.score.coverage > 0.3
     assert result.score.distance_m > 4.0
     assert result.tags_dropped > 1
+
+
+@pytest.mark.parametrize("name", COORDINATIONS)
+def test_robots_that_share_out_the_ground_see_a_building_together(name):
+    planning = PlanningConfig(explore="mcdm", coordinate=name, communication="full")
+    result = run(
+        ScenarioConfig(
+            map="office:60",
+            robots=3,
+            minutes=0.5,
+            seed=2,
+            poses="truth",
+            start="spread",
+            victims=0,
+            agent_config=AgentConfig(planning=planning, deployment=DeploymentConfig(even_m=1.0)),
+        )
+    )
+    assert result.score.coverage > 0.6
 
 
 @pytest.mark.parametrize(

@@ -39,6 +39,41 @@ def test_submaps_are_drawn_where_their_anchors_are():
     assert occupied(keeper) == [pytest.approx((0.05, 6.05), abs=0.11), pytest.approx((2.05, 0.05))]
 
 
+def test_what_was_seen_since_the_last_drawing_is_drawn_when_another_submap_has_begun():
+    keeper = MapKeeper(CONFIG)
+    keeper.begin(0, Pose2(), Pose2(0.02, 0.02), 0.0)
+    keeper.draw([Pose2(0.01, 0.01)])
+    keeper.add_scan(Pose2(0.02, 0.02), scan_of(2.03))
+    keeper.begin(1, Pose2(0.0, 5.0), Pose2(9.0, 9.0), 3.0)
+    keeper.draw([Pose2(0.01, 0.01), Pose2(0.0, 5.0)])
+    assert occupied(keeper) == [pytest.approx((2.05, 0.05))]
+
+
+def test_a_submap_that_creeps_is_drawn_anew():
+    keeper = keeper_with_two_submaps()
+    for step in range(40):
+        keeper.draw([Pose2(0.01 + 0.008 * step, 0.01), Pose2(0.02, 5.0, np.pi / 2)])
+    assert occupied(keeper)[1] == pytest.approx((2.35, 0.05))
+
+
+def test_behind_what_beams_came_back_from_all_is_sure():
+    keeper = MapKeeper(CONFIG)
+    keeper.begin(0, Pose2(), Pose2(), 0.0)
+    for _ in range(3):  # far beams clear half as much
+        keeper.add_scan(Pose2(0.02, 0.02), LaserScan(np.array([2.0, 8.0], np.float32), 0.0, np.pi / 2, 8.0))
+    keeper.draw([Pose2(0.01, 0.01)])
+    x0, y0 = keeper.fused.origin
+    unsure = (np.argwhere(keeper.fused.unsure(CONFIG.miss_logodds)) + 0.5) * 0.1 + (y0, x0)
+    assert len(unsure) > 60
+    assert (np.abs(unsure[:, 1]) < 0.1).all()
+    assert unsure[:, 0].min() > 0.0
+    keeper.begin(1, Pose2(), Pose2(), 3.0)
+    keeper.add_scan(Pose2(0.02, 0.02, np.pi / 2), scan_of(5.0))  # seen from a second submap
+    keeper.draw([Pose2(0.01, 0.01), Pose2(0.01, 0.01)])
+    left = (np.argwhere(keeper.fused.unsure(CONFIG.miss_logodds)) + 0.5) * 0.1 + (y0, x0)
+    assert left[:, 0].min() > 4.9
+
+
 def test_the_map_follows_the_graph():
     keeper = keeper_with_two_submaps()
     keeper.draw([Pose2(0.01, 0.01), Pose2(0.02, 5.01, np.pi / 2)])

@@ -5,7 +5,7 @@ from math import cos, inf, nan, sin
 import numpy as np
 import pytest
 
-from robots.mapping.occupancy import cast_scan, stamp_disc
+from robots.mapping.occupancy import cast_scan, proved, stamp_disc
 
 HIT, MISS, BOUND = 9, 4, 40
 RESOLUTION, RANGE_MAX, LIMIT = 0.1, 4.0, 3.0
@@ -69,6 +69,24 @@ def test_every_cell_changes_as_brute_force_says(seed):
     assert sure.mean() > 0.9
     assert {HIT, -MISS, -(MISS // 2), 0} <= set(expected[sure].tolist())
     np.testing.assert_array_equal(grid[sure], expected[sure])
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_proved_is_what_a_beam_of_any_scan_crossed_that_came_back(seed):
+    rng = np.random.default_rng(seed)
+    angles, origin = (-2.0, 0.067), (-2.0, -2.0)
+    grid, touched = np.zeros((45, 45), np.int16), np.zeros((45, 45), np.int32)
+    expected, sure = np.zeros(grid.shape, bool), np.ones(grid.shape, bool)
+    for mark in (1, 2, 3):
+        ranges = rng.uniform(0.1, 3.0, 60).astype(np.float32)
+        ranges[rng.random(60) < 0.6] = inf  # first of those that cross some cells
+        pose = tuple(rng.uniform([-0.5, -0.5, -3.1], [0.5, 0.5, 3.1]))
+        cast(grid, ranges, pose, angles, origin, mark, touched)
+        back = np.where(np.isfinite(ranges), ranges, 0.0)
+        change, beyond_doubt = brute_force(grid.shape, back, pose, angles, origin)
+        expected, sure = expected | (change != 0), sure & beyond_doubt
+    assert 200 < expected[sure].sum() < (grid[sure] != 0).sum() - 200
+    np.testing.assert_array_equal(proved(touched)[sure], expected[sure])
 
 
 def test_a_beam_by_hand():

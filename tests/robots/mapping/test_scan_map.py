@@ -70,12 +70,12 @@ def test_it_is_sure_of_what_beams_crossed_that_came_back_alone():
     for _ in range(3):
         wall.add_scan(Pose2(), LaserScan(ranges, -2.0, float(ANGLES[1] - ANGLES[0]), 4.0))
     free = wall.cells <= -CONFIG.miss_logodds
-    unsure = wall.unsure()
+    unsure = wall.unsure(CONFIG.miss_logodds)
     y = (np.argwhere(unsure)[:, 0] + 0.5) * 0.1 + wall.origin[1]
     assert unsure.sum() > 500
     assert (free & ~unsure).sum() > 100
     assert (y > -0.1).mean() > 0.99  # beams that came back clip the corners of a few cells
     larger = wall.covering(np.array([-9.0, -9.0]), np.array([9.0, 9.0]), 2)
-    assert larger.unsure().sum() == unsure.sum()
+    assert larger.unsure(CONFIG.miss_logodds).sum() == unsure.sum()
     shared = wall.seen_from(1.0, 1.0)
-    assert (shared.unsure() == unsure).all()
+    assert (shared.unsure(CONFIG.miss_logodds) == unsure).all()

@@ -5,16 +5,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from robots.agent import RobotAgent
+from robots.agent import RobotAgent, merge_commands
 from robots.codec import decode, encode
 from robots.config import AgentConfig, PlanningConfig
 from robots.exploration.team.gossip import Gossip
 from robots.exploration.team.team_message import decode_message, encode_message
+from robots.orders import Methods, RobotOrder
 from robots.outputs import write_map
 from robots.se2 import Pose2
 from robots.sim.runner import run
 from robots.sim.scenario import RadioCut, ScenarioConfig
-from robots.sim.simulation import Simulation
+from robots.sim.simulation import Order, Simulation
 from robots.sim.team_radio import BASE, TeamRadio
 from robots.team import TeamGrid
 from robots.types import AgentUpdate
@@ -84,6 +85,23 @@ def test_who_hears_whom(map_of, kinds, poses, hears):
     assert heard(radio, 1, poses) == (["r1"] if hears else [])
     assert heard(radio, 1, poses) == []
     assert heard(radio, 0, poses) == []
+
+
+def test_robots_that_are_told_to_talk_on_the_way_hear_each_other():
+    simulation = Simulation(replace(talking("office:80", "tags", seed=3), start="spread"))
+    agents = {name: RobotAgent(name, simulation.agent_of(name)) for name in ("r1", "r2")}
+    told, heard_by = RobotOrder("o1", "methods", methods=Methods(communication="radio")), set()
+    for period in range(60):
+        orders = {}
+        for name, observations in simulation.advance().items():
+            heard_by |= {name for observation in observations if observation.heard}
+            *_, last = observations
+            updates = [agents[name].step(observation) for observation in observations[:-1]]
+            updates.append(agents[name].step(replace(last, orders=(told,) if period == 5 else ())))
+            orders[name] = Order(merge_commands(updates))
+        assert period > 5 or not heard_by
+        simulation.apply(orders)
+    assert heard_by == {"r1", "r2"}
 
 
 def test_nothing_gets_to_or_from_a_robot_in_silence(map_of):

@@ -39,6 +39,7 @@ def drive(dropper: TagDropper, fused: FusedGrid, metres: float, tags: list[tuple
     """Drive along x in steps of 0.11 m, dropping as it likes; the numbers of the steps with a drop."""
     dropped = []
     for step in range(round(metres / 0.11)):
+        dropper.magazine(None, 0.2 * step)
         if dropper.should_drop(0.11 * step, HERE, fused, tags):
             dropped.append(step)
     return dropped
@@ -128,11 +129,11 @@ def test_the_magazine_runs_empty_and_stays_so():
 
 def test_the_robots_own_count_is_taken_over_and_never_below_none():
     dropper = TagDropper(CONFIG, MAPPING, 1)
-    dropper.magazine(None)
+    dropper.magazine(None, 0.0)
     assert dropper.left == CONFIG.magazine
-    dropper.magazine(2)
+    dropper.magazine(2, 0.0)
     assert dropper.left == 2
-    dropper.magazine(-4)
+    dropper.magazine(-4, 0.0)
     assert dropper.left == 0
     assert drive(dropper, NARROW, 30.0, []) == []
 
@@ -156,3 +157,20 @@ def test_evenly_it_drops_wherever_no_tag_is_near_and_only_there():
     assert len(drops(OPEN, config=config)) == len(SEEDS)
     assert drops(OPEN, tags=[(0.9, 0.0)], config=config) == set()
     assert len(drops(OPEN, tags=[(1.1, 0.0)], config=config)) == len(SEEDS)
+
+
+def test_a_tag_that_does_not_fall_is_told_of_and_tried_again_farther_and_farther_on():
+    dropper, tried_m, told = TagDropper(DeploymentConfig(rate_per_m=1e6), MAPPING, 0), [], []
+    for step in range(1000):
+        driven_m = 0.11 * step
+        told.append(dropper.magazine(5, 0.2 * step))
+        if dropper.should_drop(driven_m, HERE, NARROW, []):
+            assert not dropper.should_drop(driven_m + 0.2, HERE, NARROW, [])  # one at a time
+            tried_m.append(driven_m)
+    assert np.diff(tried_m) == pytest.approx([5.0, 10.0, 20.0, 40.0], abs=0.3)
+    assert told.count("stuck") == len(tried_m) == 5
+    assert "fell" not in told
+    dropper.magazine(5, 300.0)
+    assert dropper.drop_here(200.0)
+    assert dropper.magazine(4, 300.2) == "fell"
+    assert dropper.should_drop(201.0, HERE, NARROW, [])

@@ -52,7 +52,7 @@ def test_a_tag_says_where_it_is_in_words(control, driven, tags):
     a, b = driven.get("/tags")["links"][0]
     found = control.call("GET", f"/where/{a}?mission=driven").json()
     assert found["mission_id"] == "driven"
-    assert found["text"].startswith(f"You are at tag {a}. ")
+    assert found["text"].startswith(f"You are at tag {a}, in a corridor. ")
     assert b in {neighbour["tag_id"] for neighbour in found["neighbours"]}
     assert {victim["victim_id"] for victim in found["victims"]}
     latest = control.call("GET", f"/where/{a}").json()  # other tests' robots drop tags of that name too
@@ -82,5 +82,5 @@ def test_words_come_in_german_too(driven, tags):
     last = driven.get(f"/routes?from={a}&to=victim:{victim}&language=de")["last"]
     assert last["text"].endswith(f"gehen: Dort ist Opfer {victim}.")
     where = driven.control.call("GET", f"/where/{a}?language=de").json()
-    assert where["text"].startswith(f"Sie sind an Marke {a}.")
+    assert where["text"].startswith(f"Sie sind an Marke {a}, in einem Flur. ")
     assert driven.control.call("GET", f"/where/{a}?language=fr").status_code == 422

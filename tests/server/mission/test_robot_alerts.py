@@ -5,6 +5,7 @@ from types import SimpleNamespace
 
 import pytest
 
+from robots.se2 import Pose2
 from server.mission.robot_alerts import RobotAlerts
 
 
@@ -36,9 +37,14 @@ def watch():
     told = Told()
     alerts = RobotAlerts(told, told)
 
-    def look(stamp_s, activity="exploring", slipping=False, battery=1.0, tags_left=50):
+    def look(stamp_s, activity="exploring", slipping=False, battery=1.0, tags_left=50, x_m=0.0):
         update = SimpleNamespace(
-            stamp_s=stamp_s, activity=activity, reason="why", slipping=slipping, tags_left=tags_left
+            stamp_s=stamp_s,
+            activity=activity,
+            reason="why",
+            slipping=slipping,
+            tags_left=tags_left,
+            pose=Pose2(x_m, 0.0),
         )
         asyncio.run(alerts.look(SimpleNamespace(robot_id="r1", update=update, battery=battery)))
         taken, told.told = told.told, []
@@ -47,15 +53,45 @@ def watch():
     return look
 
 
-def test_a_robot_that_gets_stuck_again_and_again_is_stuck_until_it_is_free_for_a_while(watch):
+def backings_off(watch, stamps_s, x_m=0.0, per_s=0.0):
+    """Back off at these times, each for 1.4 s, and come so far each second; return what was told."""
+    told = []
+    for stamp_s in stamps_s:
+        here = x_m + per_s * (stamp_s - stamps_s[0])
+        told += watch(stamp_s, "stuck", x_m=here) + watch(stamp_s + 1.0, "stuck", x_m=here - 0.15)
+        told += watch(stamp_s + 1.4, x_m=here)
+    return told
+
+
+def test_a_robot_that_gets_nowhere_is_stuck_until_it_gets_away(watch):
     assert watch(0.0) == []
-    for stamp_s in (10.0, 20.0):
-        assert watch(stamp_s, "stuck") == []
-        assert watch(stamp_s + 2.0) == []
-    assert watch(30.0, "stuck") == [("stuck", "warning", "r1 is stuck: why.")]
-    assert watch(31.0, "stuck") == []
-    assert watch(50.0) == []
-    assert watch(95.0) == [("stuck", "over", "r1 is free again.")]
+    assert backings_off(watch, (10.0, 20.0, 30.0)) == []
+    assert watch(40.0) == []  # long enough, but it drives
+    assert backings_off(watch, (41.0,)) == [("stuck", "warning", "r1 is stuck: why.")]
+    assert backings_off(watch, (50.0, 70.0)) == []
+    assert watch(75.0, x_m=0.9) == []
+    assert watch(76.0, x_m=1.1) == [("stuck", "over", "r1 is free again.")]
+
+
+def test_a_robot_that_is_not_stuck_for_a_while_is_free(watch):
+    assert len(backings_off(watch, (10.0, 20.0, 30.0, 40.0))) == 1
+    assert watch(71.0) == []
+    assert watch(71.5) == [("stuck", "over", "r1 is free again.")]
+    assert backings_off(watch, (80.0, 90.0)) == []  # counted anew
+
+
+def test_a_robot_among_robots_is_not_stuck(watch):
+    """It backs off before one that comes out of a door as often as it takes, goes aside, and gets past."""
+    assert backings_off(watch, (1.0, 6.0, 11.0, 16.0)) == []
+    assert watch(25.0, x_m=1.2) == []  # gone aside, back again,
+    assert backings_off(watch, (30.0, 35.0)) == []
+    assert watch(50.0, x_m=3.0) == []  # and through
+    assert backings_off(watch, tuple(60.0 + 8.0 * k for k in range(20)), per_s=0.1) == []  # one ahead is slow
+
+
+def test_two_robots_that_never_get_past_each_other_are_stuck(watch):
+    told = backings_off(watch, tuple(1.0 + 12.0 * k for k in range(6)), per_s=0.005)
+    assert told == [("stuck", "warning", "r1 is stuck: why.")]
 
 
 def test_slipping_counts_by_its_share_of_the_time(watch):

@@ -4,6 +4,13 @@ import os
 import signal
 import threading
 import time
+from dataclasses import astuple
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from robots.types import Displacement, DistanceTurn, Observation, WheelEncoders
+from server.stopping import Stopping
 
 STILL = {"linear_mps": 0.0, "angular_radps": 0.0, "drop_tag": False, "writes": [], "say": None}
 
@@ -38,6 +45,39 @@ def test_stop_and_resume(line, drive):
     assert moving(reply)
     assert [event["text"] for event in line.events("stop")] == ["STOP for r1 by operator."]
     assert [event["text"] for event in line.events("resume")] == ["r1 may go on, says operator."]
+
+
+def test_stop_is_heard_by_who_speaks_again_after_the_reply_that_told_it(line, drive):
+    board = line.control.missions.get(line.mission_id).board
+    line.send(drive.wires[0])
+    line.call("POST", "/stop", {"robots": ["r1"]})
+    assert not board.get("robot/r1")["stop_heard"]
+    line.send(drive.wires[1])  # it had not heard of STOP when it sent this
+    assert not board.get("robot/r1")["stop_heard"]
+    line.send(drive.wires[1])  # sent again: the reply may be lost
+    assert not board.get("robot/r1")["stop_heard"]
+    line.send(drive.wires[2])
+    assert board.get("robot/r1")["stop_heard"]
+    line.call("POST", "/resume", {"robots": ["r1"]})
+    line.call("POST", "/stop", {"robots": ["r1"]})
+    assert not board.get("robot/r1")["stop_heard"]  # a new order
+
+
+ODOMETRY = st.one_of(
+    st.builds(WheelEncoders, *[st.floats(-1, 1)] * 4),
+    st.builds(DistanceTurn, st.floats(-1, 1), st.floats(-3, 3)),
+    st.builds(Displacement, st.floats(-1, 1), st.floats(-1, 1), st.floats(-3, 3)),
+)
+
+
+@given(ODOMETRY, st.floats(0.05, 2.0), st.floats(0.0, 1e9))
+def test_what_stands_still_has_no_speed_and_what_moves_or_turns_has_one(odometry, elapsed_s, now_s):
+    stopping = Stopping()
+    stopping.take([Observation(0, now_s, odometry), Observation(1, now_s + elapsed_s, odometry)], None)
+    assert stopping.speed_mps is not None
+    assert (stopping.speed_mps == 0.0) == all(value == 0.0 for value in astuple(odometry))
+    stopping.take([Observation(2, now_s + 2 * elapsed_s)], now_s + elapsed_s)
+    assert stopping.speed_mps is None
 
 
 def test_stop_for_all_holds_for_robots_to_come(line, drive):
@@ -99,9 +139,13 @@ def test_a_stopped_robot_is_told_at_once_while_its_agent_is_stuck(line, drive, w
         line.send(drive.wires[12])
         wait_until(lambda: board.get("robot/r1")["heard_unix_s"] >= sent_unix_s)
         assert board.get("robot/r1")["link"] == "live"  # not told only once it was silent
+        known = board.get("robot/r1")
+        assert (known["stopped"], known["stop_heard"], known["agent_down"]) == (True, True, True)
+        assert known["speed_mps"] > 0.03  # by its wheels: nobody obeyed
     finally:
         os.kill(pid, signal.SIGCONT)
     line.call("POST", "/resume", {"robots": None})
+    wait_until(lambda: not board.get("robot/r1")["agent_down"])
     reply = line.send(drive.wires[13])
     assert {name: reply[name] for name in ("pose", "command")} == drive.expected(13)
 

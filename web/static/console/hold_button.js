@@ -15,6 +15,7 @@ export class HoldButton extends Component {
     super(props);
     this.props = props;
     this.timer = 0;
+    this.begun_ms = 0;
     this.pressed = false;
     this.state = { holding: false, hint: false };
   }
@@ -23,20 +24,31 @@ export class HoldButton extends Component {
     clearTimeout(this.timer);
   }
 
-  begin() {
-    if (this.props.disabled || this.state.holding) return;
+  /** @param {Event} event */
+  begin(event) {
+    if (this.props.disabled || this.timer) return;
     this.pressed = true;
+    this.begun_ms = event.timeStamp;
     this.setState({ holding: true, hint: false });
-    this.timer = setTimeout(() => {
-      this.setState({ holding: false });
-      this.timer = 0;
-      this.props.onFire();
-    }, HOLD_MS);
+    this.timer = setTimeout(() => this.fire(), HOLD_MS);
   }
 
-  end() {
-    if (!this.state.holding) return;
+  fire() {
     clearTimeout(this.timer);
+    this.timer = 0;
+    this.setState({ holding: false });
+    this.props.onFire();
+  }
+
+  /** A page that is busy hears late that time is up, after the button was let go: the fingers' own time counts. @param {Event} event */
+  end(event) {
+    if (!this.timer) return;
+    if (event.timeStamp - this.begun_ms >= HOLD_MS) {
+      this.fire();
+      return;
+    }
+    clearTimeout(this.timer);
+    this.timer = 0;
     this.setState({ holding: false, hint: true });
     setTimeout(() => this.setState({ hint: false }), 2500);
   }
@@ -45,8 +57,8 @@ export class HoldButton extends Component {
   key(event) {
     if (event.key !== " " && event.key !== "Enter") return;
     event.preventDefault(); // or the browser clicks when the key is let go
-    if (event.type === "keydown") this.begin();
-    else this.end();
+    if (event.type === "keydown") this.begin(event);
+    else this.end(event);
   }
 
   click() {
@@ -57,12 +69,13 @@ export class HoldButton extends Component {
   render() {
     const { label, name, kind = "", how = "Press and hold", longer = "Press longer", disabled } = this.props;
     const { holding, hint } = this.state;
+    const end = (/** @type {Event} */ event) => this.end(event);
     return html`<button type="button" class=${`hold ${kind}`} data-holding=${holding ? "" : null} disabled=${disabled}
       aria-label=${name} title=${how} onPointerDown=${(/** @type {PointerEvent} */ event) => {
-        if (event.button === 0) this.begin();
-      }} onPointerUp=${() => this.end()} onPointerLeave=${() => this.end()} onPointerCancel=${() => this.end()}
+        if (event.button === 0) this.begin(event);
+      }} onPointerUp=${end} onPointerLeave=${end} onPointerCancel=${end}
       onKeyDown=${(/** @type {KeyboardEvent} */ event) => this.key(event)}
-      onKeyUp=${(/** @type {KeyboardEvent} */ event) => this.key(event)} onBlur=${() => this.end()}
+      onKeyUp=${(/** @type {KeyboardEvent} */ event) => this.key(event)} onBlur=${end}
       onContextMenu=${(/** @type {Event} */ event) => event.preventDefault()} onClick=${() => this.click()}>
       <span>${hint ? longer : label}</span></button>`;
   }

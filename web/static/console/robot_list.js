@@ -10,7 +10,8 @@ import { html } from "./vendor.js";
 /** @import {Store} from "./store.js" */
 /** @import {StopControl} from "./stop_control.js" */
 
-const ROOMY = 5; // more robots than this get shorter cards
+const ROOMY = 5; // more robots than this get shorter cards,
+const MANY = 8; // more than this two lines each: twelve on a laptop's screen
 
 /** @type {Record<string, string>} */
 const ACTIVITIES = {
@@ -21,7 +22,8 @@ const LINKS = { live: "Live", late: "Late", lost: "Lost" };
 
 /** @type {Record<string, string>} */
 const STOP_WORDS = {
-  sending: "Stopping", unconfirmed: "No answer", ordered: "Stop ordered", braking: "Braking", stopped: "Stopped",
+  sending: "Stopping", unconfirmed: "No answer", ordered: "Stop ordered", silent: "Not heard", heard: "STOP heard",
+  braking: "Braking", stopped: "Stopped",
 };
 
 /** @param {{store: Store, stops: StopControl, onSelect: (id: string) => void}} props */
@@ -30,11 +32,11 @@ export function RobotList({ store, stops, onSelect }) {
   const group = [...store.group].sort((a, b) => a.localeCompare(b, "en", { numeric: true }));
   return html`
     <h2 class="panel-title">Robots <span class="count">${robots.length || ""}</span>
-      ${group.length > 0 && html`<${HoldButton} label=${`STOP ${group.join(", ")}`} name=${`Stop the group: ${group.join(", ")}`}
+      ${group.length === 0 ? robots.length > MANY && html`<span class="group-head" aria-hidden="true">Group</span>` : html`<${HoldButton} label=${`STOP ${group.join(", ")}`} name=${`Stop the group: ${group.join(", ")}`}
         kind="stop" onFire=${() => group.forEach((id) => stops.stop(id))} />`}</h2>
     ${robots.length === 0 && html`<p class="hint">
       ${store.mission ? "No robot has been heard in this mission yet." : "No mission is open."}</p>`}
-    <ul class=${`cards ${robots.length > ROOMY ? "compact" : ""}`}>
+    <ul class=${`cards ${robots.length > ROOMY ? "compact" : ""} ${robots.length > MANY ? "dense" : ""}`}>
       ${robots.map((robot) => html`<${RobotCard} key=${robot.robot_id} robot=${robot} store=${store} stops=${stops}
         isCompact=${robots.length > ROOMY} onSelect=${onSelect} />`)}
     </ul>`;
@@ -48,9 +50,11 @@ function RobotCard({ robot, store, stops, isCompact, onSelect }) {
   const id = robot.robot_id;
   const { link, age_s } = store.linkOf(robot);
   const isSelected = store.isSelectedRobot(id);
-  const stop = stops.stateOf(store.live.robots.get(id) ?? robot); // STOP is for now, whatever is looked at
+  const now = store.live.robots.get(id) ?? robot; // STOP is for now, whatever is looked at
+  const stop = stops.stateOf(now);
   const battery = robot.battery;
   const isLow = battery !== null && battery < 0.2;
+  const reason = (store.past.board ? "" : stops.wordsOf(now)) || robot.reason || "No reason given.";
   const state = html`<${State} robot=${robot} isLost=${link === "lost"} isCompact=${isCompact} />`;
   return html`
     <li class=${`card robot-card ${isSelected ? "selected" : ""}`} data-robot=${id} data-link=${link}
@@ -63,12 +67,12 @@ function RobotCard({ robot, store, stops, isCompact, onSelect }) {
           <span class="card-name">${id}</span>
           ${isCompact && state}
           <span class=${`link link-${link}`}>
-            <i class="dot" aria-hidden="true"></i>${LINKS[link] ?? link}
-            <span class="age">${age(age_s)}</span>
+            <i class="dot" aria-hidden="true"></i><span class="link-word">${LINKS[link] ?? link}</span>
+            <span class="age">${isCompact ? age(age_s).replace(" ago", "") : age(age_s)}</span>
           </span>
         </span>
         ${!isCompact && state}
-        <span class="reason">${robot.reason || "No reason given."}</span>
+        <span class="reason" title=${reason}>${reason}</span>
         ${!isSelected && html`<${Pending} store=${store} robotId=${id} />`}
         <span class="figures">
           <${Figure} label="Battery" value=${percent(battery)} warn=${isLow}>
@@ -92,12 +96,11 @@ function RobotCard({ robot, store, stops, isCompact, onSelect }) {
           <input type="checkbox" aria-label=${`${id} is in the group`} checked=${store.group.has(id)} onChange=${() => {
             if (!store.group.delete(id)) store.group.add(id);
             store.changed();
-          }}/>Group</label>
+          }}/><span>Group</span></label>
       </div>
       ${isSelected && html`<${RobotOrders} robot=${robot} store=${store} />`}
       ${robot.stopped && !store.past.board && html`
         <div class="card-foot">
-          <span>${link === "live" ? "Stands still by order." : "Takes effect when it is heard again."}</span>
           <${ResumeButton} stops=${stops} robotId=${id} />
         </div>`}
     </li>`;
@@ -114,11 +117,12 @@ const SLAM_KINDS = {
 /** @param {{robot: Robot, isLost: boolean, isCompact: boolean}} props */
 function State({ robot, isLost, isCompact }) {
   const activity = ACTIVITIES[robot.activity] ?? robot.activity;
-  const slipping = robot.slipping && html`<span class="badge warn">Slipping</span>`;
+  const trouble = robot.agent_down ? html`<span class="badge warn" title="What it sends is kept until its agent is back">Agent down</span>`
+    : robot.slipping && html`<span class="badge warn">Slipping</span>`;
   return html`<span class="state">
-    ${isCompact && slipping ? null : html`<b class=${robot.activity === "stuck" ? "warn" : ""}>
+    ${isCompact && trouble ? null : html`<b class=${robot.activity === "stuck" ? "warn" : ""}>
       ${isLost && !isCompact ? `Last known: ${activity.toLowerCase()}` : activity}</b>`}
-    ${slipping}
+    ${trouble}
     ${!isCompact && !robot.located && html`<span class="badge" title="Not yet joined to the team's map">
       Not located</span>`}
     ${!isCompact && SLAM_KINDS[robot.slam ?? ""] && html`<span class="badge" title=${SLAM_KINDS[robot.slam ?? ""][1]}>

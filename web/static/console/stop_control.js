@@ -2,10 +2,15 @@
 
 import { missionPath, request } from "./api.js";
 
+import { age, fixed } from "./format.js";
+
 /** @import {Store} from "./store.js" */
+/** @import {Robot} from "./types.js" */
+/** @typedef {"free" | "sending" | "unconfirmed" | "ordered" | "silent" | "heard" | "braking" | "stopped"} StopState */
 
 const ALL = "*";
 const RETRY_MS = 1000;
+const MOVES_MPS = 0.03;
 
 export class StopControl {
   /** @param {Store} store */
@@ -76,18 +81,37 @@ export class StopControl {
   }
 
   /**
-   * What the operator should know about one robot's STOP.
-   * @param {import("./types.js").Robot} robot
-   * @returns {"free" | "sending" | "unconfirmed" | "ordered" | "braking" | "stopped"}
+   * What is known of one robot's STOP.
+   * @param {Robot} robot
+   * @returns {StopState}
    */
   stateOf(robot) {
     if (robot.stopped) {
-      if (this.store.linkOf(robot, this.store.serverNow()).link !== "live") return "ordered"; // the robot itself was not heard since
-      return Math.abs(robot.speed_mps ?? 0) > 0.03 ? "braking" : "stopped";
+      if (!robot.stop_heard) return "ordered";
+      if (this.store.linkOf(robot, this.store.serverNow()).link !== "live") return "silent";
+      return robot.speed_mps === null ? "heard" : moves(robot) ? "braking" : "stopped";
     }
     const pending = this.pending.get(robot.robot_id) ?? this.pending.get(ALL);
     if (pending?.order !== "stop") return "free";
     return pending.tries > 1 ? "unconfirmed" : "sending";
+  }
+
+  /** The same in words; none where there is no STOP. @param {Robot} robot */
+  wordsOf(robot) {
+    const { link, age_s } = this.store.linkOf(robot, this.store.serverNow());
+    /** @type {Record<StopState, string>} */
+    const words = {
+      free: "",
+      sending: "STOP is on its way to the server.",
+      unconfirmed: "The server does not answer: STOP is sent again and again.",
+      ordered: link === "live" ? "Has not heard STOP yet." : `Has not heard STOP: last heard ${age(age_s)}, stops once it is heard again.`,
+      silent: `${moves(robot) ? "Still moved" : "Stood still"} when last heard, ${age(age_s)}: it had heard STOP.`,
+      heard: "Has heard STOP; nobody knows whether it still moves.",
+      braking: `Still moves, at ${fixed(robot.speed_mps, 2)} m/s: it has heard STOP.`,
+      stopped: "Stands still: it has heard STOP.",
+    };
+    const isDown = robot.stopped && robot.agent_down && link === "live";
+    return `${words[this.stateOf(robot)]}${isDown ? " Its agent is down, which STOP does not need." : ""}`;
   }
 
   /** @returns {{order: "stop" | "resume", tries: number, error: string} | undefined} order for all, under way */
@@ -100,3 +124,6 @@ export class StopControl {
     return this.asked.has(robotId);
   }
 }
+
+/** @param {Robot} robot */
+const moves = ({ speed_mps }) => Math.abs(speed_mps ?? 0) > MOVES_MPS;

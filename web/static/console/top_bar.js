@@ -17,6 +17,11 @@ import { standing } from "./victim_list.js";
 /** @type {[("plan" | "both" | "scene"), string, string][]} */
 const VIEWS = [["plan", "2D", "Plan only"], ["both", "2D + 3D", "Plan and 3D side by side"], ["scene", "3D", "3D only"]];
 
+const [SHORT, LONG] = [14, 40]; // letters of a mission's name that have room in one line and in two
+
+/** @param {{mission_id: string, name: string} | undefined} mission */
+const nameOf = (mission) => mission?.name || mission?.mission_id || "";
+
 /** @type {Record<string, string>} */
 const CONNECTIONS = {
   loading: "Connecting", live: "Live", reconnecting: "Reconnecting", stale: "Stale", none: "No mission",
@@ -33,21 +38,22 @@ export function TopBar({ store, stops, onMission, onView }) {
   const open = standing(store).filter((victim) => victim.status !== "dismissed").length;
   const alerts = [...store.alerts.values()].filter(isOpen).length;
   const { state } = store.connection;
+  const name = store.missions.length === 0 ? "No mission" : nameOf(store.missions.find(({ mission_id }) => mission_id === store.missionId));
   return html`
     <a class="brand" href="/console" aria-label="Waymark, the mission's console">
       <img src="/static/logo.svg" alt="" width="28" height="28"/><span>Waymark</span></a>
     <label class="mission">
-      <span class="unseen">Mission</span>
-      <select value=${store.missionId ?? ""} disabled=${store.missions.length === 0}
+      <span class="mission-name" aria-hidden="true" data-size=${name.length > LONG ? 2 : name.length > SHORT ? 1 : 0}>${name}</span>
+      <select aria-label="Mission" title=${name} value=${store.missionId ?? ""} disabled=${store.missions.length === 0}
               onChange=${(/** @type {any} */ event) => onMission(event.currentTarget.value)}>
         ${store.missions.length === 0 && html`<option value="">No mission</option>`}
-        ${store.missions.map(({ mission_id, name }) =>
-          html`<option value=${mission_id} selected=${mission_id === store.missionId}>${name || mission_id}</option>`)}
+        ${store.missions.map((each) => html`<option value=${each.mission_id}
+          selected=${each.mission_id === store.missionId}>${nameOf(each)}</option>`)}
       </select>
     </label>
-    <${MissionMenu} store=${store} />
+    <div class="standing"><${MissionMenu} store=${store} />
     <span class=${`connection connection-${state}`} title=${store.connection.reason || "The live stream of the mission"}>
-      <i class="dot" aria-hidden="true"></i>${CONNECTIONS[state]}</span>
+      <i class="dot" aria-hidden="true"></i>${CONNECTIONS[state]}</span></div>
     <dl class="figures-bar">
       <${Figure} label="Mission clock" value=${missionClock(store.mission?.clock_s)} />
       <${Figure} label="Robots live" value=${`${live} / ${robots.length}`} level=${live < robots.length ? "warn" : ""} />

@@ -16,7 +16,7 @@
  *   heard_unix_s: number | null, activity: string, reason: string, battery: number | null, tags_left: number | null,
  *   agent: string, slam?: string, methods?: Record<string, string>, stopped: boolean, link: "live" | "late" | "lost", slipping: boolean, located: boolean,
  *   explored_m2: number, distance_m: number, goal_m: [number, number] | null, path_m: [number, number][],
- *   speed_mps: number | null}} Robot
+ *   speed_mps: number | null, stop_heard?: boolean, agent_down?: boolean}} Robot
  * @typedef {{robot_id: string, frontiers: {x_m: number, y_m: number, length_m: number, worth_m: number,
  *   chosen: boolean}[]}} Frontiers
  * @typedef {{order_id: string, kind: string, by: string, issued_unix_s: number, x_m: number | null, y_m: number | null,

@@ -50,6 +50,11 @@ export const DE = {
 
   // where am I
   you_are_at: "Sie sind an Marke {tag}.",
+  you_are_in: "Sie sind an Marke {tag}, {place}.",
+  in_doorway: "in einer Türöffnung",
+  in_corridor: "in einem Flur",
+  in_room: "in einem Raum",
+  in_open_area: "in einem offenen Bereich",
   next_to_it: "{far} nach {way} ist Marke {tag}",
   victims_near: { one: "{count} Opfer innerhalb von {far}.", other: "{count} Opfer innerhalb von {far}." },
   nearest_victim: "Das nächste Opfer ist {far} entfernt.",

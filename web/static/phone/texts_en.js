@@ -49,6 +49,11 @@ export const EN = {
 
   // where am I
   you_are_at: "You are at tag {tag}.",
+  you_are_in: "You are at tag {tag}, {place}.",
+  in_doorway: "in a doorway",
+  in_corridor: "in a corridor",
+  in_room: "in a room",
+  in_open_area: "in an open area",
   next_to_it: "{far} {way} is tag {tag}",
   victims_near: { one: "{count} victim within {far}.", other: "{count} victims within {far}." },
   nearest_victim: "The nearest victim is {far} away.",

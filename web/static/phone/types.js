@@ -1,6 +1,6 @@
 /** What the phone carries of a mission (GET /api/v1/missions/{m}/pocket), and what it makes of it. */
 
-/** @typedef {{tag_id: string, x_m: number, y_m: number, sd_m: number, notice: string}} PocketTag */
+/** @typedef {{tag_id: string, x_m: number, y_m: number, sd_m: number, notice: string, place_kind?: string}} PocketTag */
 /** Numbers of two tags, length in cm, points x, y, x, y, ... in cm, by how much more it counts as it is narrow, and its narrowest
  *  width, 0 where not known, in cm. @typedef {[number, number, number, number[], number, number]} PocketWay */
 /** A tag in sight, and centimetres from there. @typedef {[string, number]} End */

@@ -4,7 +4,7 @@ import { say } from "./texts.js";
 import { bearingFrom, compassPoint, inMetres, lastOf, legOf, lengthOf, metres } from "./words.js";
 
 /** @import {Roads} from "./roads.js" */
-/** @import {End, NearVictim, Pocket, Route, Where} from "./types.js" */
+/** @import {End, NearVictim, Pocket, PocketTag, Route, Where} from "./types.js" */
 /** @typedef {import("./texts.js").Key} Key */
 
 const NEAR_M = 20;
@@ -53,7 +53,7 @@ export function whereIs(pocket, roads, tagId) {
   if (!tag) return null;
   const victims = nearVictims(pocket, roads, tagId);
   const { mission_id, mission_name } = pocket;
-  return { mission_id, mission_name, tag_id: tagId, sd_m: tag.sd_m, notice: tag.notice, text: textOf(roads, tagId, victims), victims };
+  return { mission_id, mission_name, tag_id: tagId, sd_m: tag.sd_m, notice: tag.notice, text: textOf(roads, tag, victims), victims };
 }
 
 /** @param {Pocket} pocket @param {Roads} roads @param {string} tagId @returns {NearVictim[]} */
@@ -71,10 +71,10 @@ function nearVictims(pocket, roads, tagId) {
   return found.sort((a, b) => Number(b.reachable) - Number(a.reachable) || a.distance_m - b.distance_m);
 }
 
-/** @param {Roads} roads @param {string} tagId @param {NearVictim[]} victims */
-function textOf(roads, tagId, victims) {
-  const words = [say("you_are_at", { tag: tagId })];
-  const there = roads.neighbours(tagId).slice(0, 2).map((edge) => {
+/** @param {Roads} roads @param {PocketTag} tag @param {NearVictim[]} victims */
+function textOf(roads, { tag_id: tag, place_kind: kind }, victims) {
+  const words = [kind ? say("you_are_in", { tag, place: say(/** @type {Key} */ (`in_${kind}`)) }) : say("you_are_at", { tag })];
+  const there = roads.neighbours(tag).slice(0, 2).map((edge) => {
     const points = inMetres(edge.points);
     const way = compassPoint(bearingFrom(roads.north, points[1][0] - points[0][0], points[1][1] - points[0][1]), roads.north);
     return say("next_to_it", { far: metres(lengthOf(points)), way, tag: roads.tags[edge.to].tag_id });

@@ -11,6 +11,7 @@ from robots.sim.arena.config import STEP_M, ArenaConfig
 from robots.sim.arena.ground import ground_of
 from robots.sim.arena.reader import BelievedPlaces
 from robots.sim.arena.result import leaves_a_hole
+from robots.sim.arena.robot import ArenaRobot
 from robots.sim.arena.run import Arena, play
 from robots.sim.scenario import ScenarioConfig, ScenarioError
 from robots.sim.sensors import LaserConfig
@@ -161,3 +162,22 @@ def test_what_cannot_be_played_is_refused():
         ArenaConfig(TWO)
     with pytest.raises(ScenarioError, match="reader_m"):
         replace(CONFIG, reader_m=-1.0)
+
+
+@pytest.mark.parametrize("explore", ["waymark", "kleiner", "ziparo"])
+def test_clocks_that_disagree_by_hours_change_nothing(monkeypatch, explore):
+    """Robots meet in tags alone, and those tell counts, not times."""
+    agent = replace(AGENT, planning=PlanningConfig(explore=explore))
+    config = replace(CONFIG, scenario=replace(TWO, agent_config=agent), in_order="at once")
+    step, found_by = ArenaRobot.step, {}
+    for ahead_s in (0.0, 8192.0):
+
+        def by_its_clock(robot, clock_s, others_m, heard=(), ahead_s=ahead_s):
+            return step(robot, clock_s + 8192.0 + ahead_s * (robot.robot_id == "r2"), others_m, heard)
+
+        monkeypatch.setattr(ArenaRobot, "step", by_its_clock)
+        found_by[ahead_s] = play(config)
+    expected, found = found_by.values()
+    assert found.covered_m2.tolist() == expected.covered_m2.tolist()
+    assert (found.driven_m.tolist(), found.tags) == (expected.driven_m.tolist(), expected.tags)
+    assert found.tags > 3
