@@ -116,7 +116,7 @@ def test_mayday_names_the_last_tag_where_the_phone_shows_none_and_the_mission_is
     expect(button).to_be_visible(timeout=SOON_MS)
     page.evaluate("""() => {
       const last = JSON.parse(localStorage.getItem("waymark.last"));
-      localStorage.setItem("waymark.last", JSON.stringify({ ...last, read_s: last.read_s - 1200 }));
+      localStorage.setItem("waymark.last", JSON.stringify({ ...last, since_s: last.since_s - 1200 }));
     }""")
     page.goto(f"{field.home}/phone")
     expect(button).to_be_visible(timeout=SOON_MS)

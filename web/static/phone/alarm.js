@@ -33,7 +33,7 @@ async function callMayday() {
   const last = lastTag();
   const tag_id = last?.tag ?? null;
   if (unsent().some(({ body }) => body.tag_id === tag_id)) return void sendNow(true);
-  const ago_s = last ? Date.now() / 1000 - last.read_s : 0;
+  const ago_s = last ? Date.now() / 1000 - last.since_s : 0;
   const text = ago_s > OLD_S ? `that tag was read ${Math.round(ago_s / 60)} min ago` : "";
   const missions = missionsHere();
   changed({ called: { mission: missions[0], at_s: now_s(), noted_by: "" } });

@@ -18,7 +18,7 @@ const SAYS = {
   victim: ["tag_id", "text", "live", "dead", "start"],
   mayday: ["text", "tag_id"],
   heard: ["since_unix_s"],
-  at: ["tag_id", "from_tag", "after_s"],
+  at: ["tag_id", "from_tag", "after_s", "steps_m"],
 };
 const LONGEST_NAME = 60;
 
