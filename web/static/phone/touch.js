@@ -1,10 +1,11 @@
 /** A tag was read: answer from what the phone carries, at once; then ask for the newest. */
 
-import { begin } from "./between.js";
+import { begin, walkedFrom } from "./between.js";
+import { takeOrder } from "./evacuate.js";
 import { add, onOutbox, waiting } from "./outbox.js";
-import { judged } from "./pace.js";
+import { cameFrom, judged } from "./pace.js";
 import { keptOf, missionOf, missions, open, opened, refresh, refreshAll } from "./pockets.js";
-import { reach, read, remember } from "./reach.js";
+import { reach, read, remember, remembered } from "./reach.js";
 import { Roads } from "./roads.js";
 import { changed, missionId, state } from "./state.js";
 import { language, say } from "./texts.js";
@@ -17,14 +18,9 @@ const TARGET = "waymark.target"; // where this phone is being led
 const LAST = "waymark.last";
 const SEEN = "waymark.seen"; // the tags that this phone really read, and when
 
-/** @param {string} name @returns {any} */
-function remembered(name) {
-  try {
-    return JSON.parse(localStorage.getItem(name) ?? "null");
-  } catch {
-    return null;
-  }
-}
+/** The tag this phone was at last and the one before, since when by its clock, its mission ("" where not known), and whether that was reported.
+ * @returns {{tag: string, before: string, mission: string, since_s: number, isTold: boolean} | null} */
+export const lastTag = () => remembered(LAST);
 
 /** Where this phone is being led: kept over reloads, none when it is another mission's.
  * @returns {{mission: string, to: string, whole_m: number} | null} */
@@ -35,7 +31,7 @@ export function target() {
 
 /** @param {string | null} to `victim:ID`, `tag:ID`, `note:ID`, or nowhere any more */
 export function lead(to) {
-  if (to === null || !state.where) localStorage.removeItem(TARGET);
+  if (to === null || !state.where) remember(TARGET, null);
   else remember(TARGET, { mission: state.where.mission_id, to, whole_m: 0 });
   state.trouble = "";
   answer();
@@ -54,35 +50,61 @@ export function lead(to) {
  * @param {number | null} [read_s] when the phone read the tag itself, by its clock; null where somebody chose it on the page
  */
 export async function touch(tagId, mission = null, isBack = false, told = null, read_s = null) {
-  const known = remembered(LAST);
+  if (read_s !== null && tagId === state.tagId && state.where) return touchedAgain(read_s);
+  const known = lastTag();
+  const isShownAgain = isBack && read_s === null; // a page loaded again, restored or gone back to: nobody touched anything
+  const since_s = isShownAgain && known?.tag === tagId ? known.since_s : read_s ?? Date.now() / 1000;
+  const isNews = !isShownAgain || (known?.tag === tagId && known.isTold === false);
   const before = known && known.tag !== tagId ? known.tag : known?.before ?? "";
   const address = tagId ? `/t/${encodeURIComponent(tagId)}${mission ? `?mission=${encodeURIComponent(mission)}` : ""}` : "/phone";
   if (!isBack && location.pathname + location.search !== address) history.pushState(null, "", address);
   wanted = mission;
   Object.assign(state, { tagId, before, where: null, route: null, said: "", trouble: "", form: "", scanning: false, foreign: null, choices: [], odd: null });
   if (!tagId) return changed();
-  remember(LAST, { tag: tagId, before });
+  const last = { tag: tagId, before, since_s, mission: known?.mission ?? "", isTold: !isNews };
+  remember(LAST, last);
   answer();
   if (!state.where && told) Object.assign(state, { where: told.where, as_of_s: told.as_of_s });
-  if (read_s !== null) judge(read_s);
+  if (state.where) remember(LAST, { ...last, mission: missionId() });
+  const came = read_s === null ? {} : judge(read_s);
   begin();
   changed();
   if (!state.where) await askServer();
   else if (reach.inReach !== false) await renew();
   const mission_id = missionId();
   if (state.tagId !== tagId || !state.where) return;
-  add("at", mission_id, { tag_id: tagId, ...(state.odd ? { from_tag: state.odd.before, after_s: state.odd.after_s } : {}) });
+  if (lastTag()?.tag === tagId) remember(LAST, { ...lastTag(), mission: mission_id });
+  if (isNews) add("at", mission_id, { tag_id: tagId, ...came }, since_s).then(() => remember(LAST, { ...remembered(LAST), isTold: true }));
   const { askMemory } = await import("./memory_view.js");
   askMemory(mission_id, tagId);
 }
 
-/** See whether the phone can have come here from where it was. @param {number} read_s */
+/** The tag one is at was touched once more: one is at it, however far the phone's steps have gone. @param {number} read_s */
+function touchedAgain(read_s) {
+  const came = judge(read_s);
+  begin();
+  remember(LAST, { ...remembered(LAST), tag: state.tagId, since_s: read_s, isTold: true });
+  add("at", missionId(), { tag_id: state.tagId, ...came }, read_s);
+  changed();
+}
+
+/**
+ * See whether the phone can have come here from where it was.
+ * @param {number} read_s
+ * @returns {{from_tag?: string, after_s?: number, steps_m?: number}} from where it came, for the server
+ */
 function judge(read_s) {
   const { mission_id } = state.where ?? {};
-  if (!mission_id) return;
-  const { odd, seen } = judged(remembered(SEEN) ?? [], { mission: mission_id, tag: state.tagId, phone_s: read_s, offset_s: reach.offset_s });
+  if (!mission_id) return {};
+  const now = { mission: mission_id, tag: state.tagId, phone_s: read_s, offset_s: reach.offset_s };
+  const earlier = remembered(SEEN) ?? [];
+  const { odd, seen } = judged(earlier, now);
   state.odd = odd;
   remember(SEEN, seen);
+  if (odd) return { from_tag: odd.before, after_s: odd.after_s };
+  const came = cameFrom(earlier, now);
+  const steps_m = came && walkedFrom(came.from_tag);
+  return { ...came, ...(steps_m === null ? {} : { steps_m }) };
 }
 
 /** @type {string | null} */
@@ -98,7 +120,7 @@ export function answer() {
     own = ownNotes(pocket);
     state.pocket = pocket;
     state.roads = new Roads(pocket, notesWith(pocket));
-    state.evacuation = pocket.evacuation?.ordered ? pocket.evacuation : null;
+    takeOrder(pocket.mission_id, pocket.evacuation);
   }
   if (!state.roads) return;
   state.where = whereIs(pocket, state.roads, state.tagId);
@@ -114,7 +136,7 @@ let own = "";
 const ownNotes = (pocket) => waiting().filter(({ kind, mission_id }) => kind === "note" && mission_id === pocket.mission_id).map(({ id }) => id).join();
 
 /** Notes with those that the server does not have yet. @param {Pocket} pocket @returns {PocketNote[]} */
-export function notesWith(pocket) {
+function notesWith(pocket) {
   const places = new Map(pocket.tags.map(({ tag_id, x_m, y_m }) => [tag_id, { x_m, y_m }]));
   const known = new Set(pocket.notes.map(({ annotation_id }) => annotation_id));
   const mine = waiting().filter(({ id, kind, mission_id }) => kind === "note" && mission_id === pocket.mission_id && !known.has(id));
