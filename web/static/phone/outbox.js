@@ -3,6 +3,7 @@
 import { newId } from "../console/note_kinds.js";
 import { all, drop, put } from "./kept.js";
 import { ask, missionPath, onReach, reach, reasonOf } from "./reach.js";
+import { keepSent } from "./sent.js";
 
 /** `n`: in which order they were made; `refused`: the server's words where it will not have it.
  * @typedef {{id: string, n: number, mission_id: string, kind: string, body: Record<string, any>, made_by: string, phone_unix_s: number,
@@ -143,6 +144,7 @@ function request(report) {
 async function send(report) {
   const response = await request(report);
   if (response?.ok) {
+    keepSent(report);
     await forget(report.id);
     changed();
     return true;

@@ -7,7 +7,7 @@ const OFFSET = "waymark.offset";
 const ME = "waymark.me";
 
 /** @param {string} name @returns {any} */
-function remembered(name) {
+export function remembered(name) {
   try {
     return JSON.parse(localStorage.getItem(name) ?? "null");
   } catch {
