@@ -6,6 +6,9 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 WorksiteTriage = Literal["A", "B", "C", "D"]
+Risk = Literal["low", "moderate", "high"]
+Entry = Literal["left", "right", "above", "below"]
+Found = Literal["clear", "deceased"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,23 +32,59 @@ class VisitRecord:
 
 
 @dataclass(frozen=True, slots=True)
+class RatingRecord:
+    """How safe a team found the structure (FEMA); ``entry``: where the safest one is, facing the front."""
+
+    team: str
+    risk: Risk
+    entry: Entry | None
+    rated_unix_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class ClearanceRecord:
+    """A team searched all of it and found it clear, or only deceased left (INSARAG's rapid clearance)."""
+
+    team: str
+    found: Found
+    cleared_unix_s: float
+
+
+@dataclass(frozen=True, slots=True)
 class WorksiteRecord:
-    """What is said at a worksite's front; ``triage`` A..D is that of worksites (INSARAG), not of people."""
+    """What is said at a worksite's front; ``triage`` A..D is that of worksites (INSARAG), not of people.
+
+    ``visits``, ``ratings`` and ``clearances``: the first first; they only grow.
+    """
 
     worksite_id: str
     hazards: str
     triage: WorksiteTriage | None
     is_complete: bool
     visits: tuple[VisitRecord, ...]
+    ratings: tuple[RatingRecord, ...] = ()
+    clearances: tuple[ClearanceRecord, ...] = ()
 
     @classmethod
     def of(cls, value: dict[str, Any]) -> WorksiteRecord:
         """Return it of its plain values, as they are stored and go over the wire."""
-        return cls(**{**value, "visits": tuple(VisitRecord(**visit) for visit in value["visits"])})
+        written = {
+            "visits": tuple(VisitRecord(**each) for each in value["visits"]),
+            "ratings": tuple(RatingRecord(**each) for each in value.get("ratings", ())),
+            "clearances": tuple(ClearanceRecord(**each) for each in value.get("clearances", ())),
+        }
+        return cls(**{**value, **written})
+
+
+_NOTHING = WorksiteRecord("", "", None, False, ())
 
 
 def goes_on(before: WorksiteRecord | None, after: WorksiteRecord | None) -> bool:
-    """Say whether every visit of ``before`` stands in ``after``: lines of a marking are never erased."""
-    old = () if before is None else before.visits
-    new = () if after is None else after.visits
-    return len(old) <= len(new) and all(a.begins(b) for a, b in zip(old, new, strict=False))
+    """Say whether all that stands in ``before`` stands in ``after``: lines of a marking are never erased."""
+    old, new = before or _NOTHING, after or _NOTHING
+    return (
+        len(old.visits) <= len(new.visits)
+        and all(a.begins(b) for a, b in zip(old.visits, new.visits, strict=False))
+        and new.ratings[: len(old.ratings)] == old.ratings
+        and new.clearances[: len(old.clearances)] == old.clearances
+    )

@@ -11,7 +11,7 @@ from robots.experiments.experiment import Row, finite
 if TYPE_CHECKING:
     from robots.experiments.plotting import Axes
 
-_COLOURS = {"none": plotting.GREY, "full": plotting.BLACK}
+_COLOURS = {"none": plotting.GREY, "full": plotting.BLACK, "no tags": plotting.SKY}
 _TAGS = (plotting.ORANGE, plotting.BLUE, plotting.GREEN, plotting.PURPLE)
 _TIMES = (("t50", "50 %"), ("t90", "90 %"), ("t99", "99 %"))
 

@@ -20,3 +20,13 @@ def unknown_method(name: str, value: str) -> str | None:
     if value in KNOWN[name]:
         return None
     return f"{name}: there is no {value!r}; known are {', '.join(sorted(KNOWN[name]))}"
+
+
+def hears_nobody(coordinate: str, communication: str) -> str:
+    """Return in words that a robot which hears nobody shares out nothing; nothing where it does."""
+    if communication in ("full", "radio") or coordinate in ("none", "node-counting"):
+        return ""
+    return (
+        f"{coordinate} shares out nothing among robots that hear nobody: by {communication} they do not;"
+        " choose full or radio"
+    )

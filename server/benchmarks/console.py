@@ -21,6 +21,7 @@ from websockets.asyncio.client import connect
 
 from robots.sim.live import play
 from robots.sim.scenario import ScenarioConfig
+from server.benchmarks import changes
 from server.benchmarks.browser import chromium, server_process, wait_for
 from server.benchmarks.console_server import MISSION
 
@@ -77,6 +78,7 @@ def measure(seconds: float = 20.0) -> dict[str, Any]:
             "share of a core with nobody, %": 100.0 * alone,
             "share of a core with all, %": 100.0 * watched,
             "a stalled watcher is dropped after, s": asyncio.run(_stalled(home)),
+            **asyncio.run(changes.measure(home, MISSION, WATCHERS)),
         }
         with chromium() as browser:
             found["first map on screen, ms"] = _first_map(browser, home)

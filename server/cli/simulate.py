@@ -189,6 +189,7 @@ def simulate(
                 planning=PlanningConfig(local_map_m=local_map), map_memory=memory is Memory.TAGS
             ),
         )
+        _warn_of_deaf_robots(config)
         outcome = play(config)
     except (ScenarioError, WorldError, RecordingError) as error:
         raise CommandError(str(error)) from error
@@ -197,6 +198,14 @@ def simulate(
         print_json(summary)
     else:
         print_table(f"{robots} robots, {minutes:g} minutes in {map_spec}", summary)
+
+
+def _warn_of_deaf_robots(config: ScenarioConfig) -> None:
+    from robots.exploration.methods import hears_nobody
+
+    told = [config.agent_of(robot_id).planning for robot_id in config.robot_ids]
+    for deaf in sorted({hears_nobody(each.coordinate, each.communication) for each in told} - {""}):
+        typer.echo(f"Note: {deaf} (--communication).", err=True)
 
 
 def play(config: ScenarioConfig) -> SimulationResult:

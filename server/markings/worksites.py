@@ -1,8 +1,7 @@
-"""Worksites as they are marked at their front: INSARAG, by the edition of their id, and FEMA's search."""
+"""Worksites as they are marked at their front: INSARAG, by the edition of their id, and FEMA."""
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -19,10 +18,10 @@ from server.markings.shapes import (
     size_that_fits,
     stroke,
 )
+from server.markings.structures import clearance_marking, structure_marking, team_name
 
 Value = Mapping[str, Any]
 
-_TEAM = re.compile(r"([A-Z]{3})-?([0-9]{2})")  # AUS-01 as the edition of 2020 draws it, AUS01 as that of 2027
 _TRIAGE = {
     "A": "live victims confirmed, under 12 hours of work",
     "B": "live victims confirmed, over 12 hours of work",
@@ -70,12 +69,19 @@ def worksite_markings(sector: Value, victims: Iterable[Value]) -> list[Marking]:
     drawn = [_insarag(worksite)]
     if worksite["visits"]:
         drawn.append(_fema(worksite, inside(sector, victims)))
-    return drawn
+    if worksite.get("ratings"):
+        drawn.append(structure_marking(worksite))
+    is_new = _is_new(worksite)
+    return [*drawn, *(clearance_marking(each, is_new) for each in worksite.get("clearances", ()))]
+
+
+def _is_new(worksite: Value) -> bool:
+    return "-" not in worksite["worksite_id"][:2]
 
 
 def _insarag(worksite: Value) -> Marking:
     """Return a box with the id and a line for every level done; hazards above, triage below."""
-    is_new = "-" not in worksite["worksite_id"][:2]
+    is_new = _is_new(worksite)
     edition = "2027" if is_new else "2020"
     hazards = lines_of(worksite["hazards"].upper(), 22)
     top = 10 + 24 * len(hazards)
@@ -98,9 +104,7 @@ def _insarag(worksite: Value) -> Marking:
 
 
 def _done(visit: Value, is_new: bool) -> str:
-    found = _TEAM.fullmatch(visit["team"])
-    team = visit["team"] if found is None else f"{found[1]}{'' if is_new else '-'}{found[2]}"
-    return f"{team} ASR{visit['level']} {day_of(visit['left_unix_s'])}"
+    return f"{team_name(visit['team'], is_new)} ASR{visit['level']} {day_of(visit['left_unix_s'])}"
 
 
 def _words(worksite: Value) -> str:

@@ -78,7 +78,7 @@ class Sectors:
             if known is not None and not goes_on(known.worksite, sector.worksite):
                 text = (
                     "Somebody came to the worksite of whom you did not know. Look at it anew: "
-                    "what was written of visits is never erased."
+                    "what was marked there is never erased."
                 )
                 raise ApiError(409, "visits_lost", text, "worksite")
             if known is None and len(self._sectors) >= MAX_SECTORS:
@@ -161,7 +161,8 @@ def sector_value(sector: SectorRecord) -> dict[str, Any]:
     """Return ``sector/ID`` of the board."""
     told = {**asdict(sector), "area_m": [list(c) for c in sector.area_m], "robots": list(sector.robots)}
     if sector.worksite is not None:
-        told["worksite"]["visits"] = [asdict(visit) for visit in sector.worksite.visits]
+        for name in ("visits", "ratings", "clearances"):
+            told["worksite"][name] = [asdict(each) for each in getattr(sector.worksite, name)]
     return {**told, "size_m2": round(abs(signed_m2(sector.area_m)), 1)}
 
 

@@ -14,6 +14,7 @@ _STATUSES = {
     "searched": "searched",
     "second_look": "needs a second look",
 }
+_FOUND = {"clear": "rapid clearance: clear", "deceased": "rapid clearance: deceased only"}
 
 
 def sectors_part(story: Story) -> Html:
@@ -56,6 +57,12 @@ def _worksite(sector: Value, story: Story) -> Html:
         )
         for visit in worksite["visits"]
     ]  # fmt: skip
+    marked = [
+        *((f"structure: {each['risk']} risk", each["team"], clock(each["rated_unix_s"]))
+          for each in worksite.get("ratings", ())),
+        *((_FOUND[each["found"]], each["team"], clock(each["cleared_unix_s"]))
+          for each in worksite.get("clearances", ())),
+    ]  # fmt: skip
     return tag(
         "article",
         tag("h3", f"Worksite {worksite['worksite_id']}, sector {sector['name']}"),
@@ -66,6 +73,7 @@ def _worksite(sector: Value, story: Story) -> Html:
             ("Work", "no more is needed" if worksite["is_complete"] else "not complete"),
         )),
         table(("Team", "Level", "Entered", "Left", "How", "Parts"), visits) if visits else "",
+        table(("Marked", "By", "When"), marked) if marked else "",
         class_="victim",
     )  # fmt: skip
 

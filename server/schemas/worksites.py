@@ -6,7 +6,16 @@ from typing import Annotated, Self
 
 from pydantic import Field, model_validator
 
-from db.worksites import VisitRecord, WorksiteRecord, WorksiteTriage
+from db.worksites import (
+    ClearanceRecord,
+    Entry,
+    Found,
+    RatingRecord,
+    Risk,
+    VisitRecord,
+    WorksiteRecord,
+    WorksiteTriage,
+)
 from server.schemas.common import Wire
 
 WORKSITE_ID = r"^([A-Z]-[0-9]{1,4}[a-z]?|[A-Z]{3}[0-9]{2}-[0-9]{4})$"
@@ -34,6 +43,23 @@ class VisitWire(Wire):
         return self
 
 
+class RatingWire(Wire):
+    """How safe a team found the structure, as FEMA's box says it."""
+
+    team: str = Field(min_length=1, max_length=20)
+    risk: Risk
+    entry: Entry | None = Field(None, description="Where the safest entry is, facing the front.")
+    rated_unix_s: UnixSeconds
+
+
+class ClearanceWire(Wire):
+    """INSARAG's rapid clearance: a team searched all of it (ASR5)."""
+
+    team: str = Field(min_length=1, max_length=20)
+    found: Found = Field(description="clear: nobody is left; deceased: only deceased are.")
+    cleared_unix_s: UnixSeconds
+
+
 class WorksiteWire(Wire):
     """What is marked at the front of a sector."""
 
@@ -52,6 +78,13 @@ class WorksiteWire(Wire):
         default_factory=list, max_length=50, description="Who came, the first first; none is ever erased."
     )
 
+    ratings: list[RatingWire] = Field(
+        default_factory=list, max_length=20, description="The newest is drawn; none is ever erased."
+    )
+    clearances: list[ClearanceWire] = Field(
+        default_factory=list, max_length=10, description="All are drawn; none is ever erased."
+    )
+
     @model_validator(mode="after")
     def _is_complete_only_when_all_are_out(self) -> Self:
         if self.is_complete and any(visit.left_unix_s is None for visit in self.visits):
@@ -61,4 +94,8 @@ class WorksiteWire(Wire):
     def record(self) -> WorksiteRecord:
         """Return it as it is stored."""
         visits = tuple(VisitRecord(**visit.model_dump()) for visit in self.visits)
-        return WorksiteRecord(self.worksite_id, self.hazards, self.triage, self.is_complete, visits)
+        ratings = tuple(RatingRecord(**rating.model_dump()) for rating in self.ratings)
+        clearances = tuple(ClearanceRecord(**clearance.model_dump()) for clearance in self.clearances)
+        return WorksiteRecord(
+            self.worksite_id, self.hazards, self.triage, self.is_complete, visits, ratings, clearances
+        )

@@ -71,6 +71,8 @@ def test_console_and_report_draw_the_same_and_a_worksite_is_marked(
         report = client.get("/missions/mine/report.html").text
         assert "INSARAG 2027, worksite" in report
         assert "&lt;B&gt;PIPE&lt;/B&gt;" in report
+        assert "rapid clearance: deceased only" in report
+        assert report.count("Rapid clearance") == 4  # both diamonds, each with its name
         page.close()
         assert errors == []
 
@@ -103,3 +105,15 @@ def mark_a_worksite(page: Page) -> None:
     panel.get_by_label("Worksite", exact=True).press("Tab")
     marking = panel.get_by_role("img", name="INSARAG 2027, worksite")
     expect(marking).to_contain_text("AUS01 ASR3", timeout=SOON_MS)
+
+    # how safe the structure is, and, once all is searched, that only deceased are left, then nobody
+    panel.get_by_label("Team", exact=True).fill("USA02")
+    panel.get_by_label("Structure").select_option("high")
+    panel.get_by_label("Safest entry").select_option("left")
+    panel.get_by_role("button", name="Mark how safe it is").click()
+    box = panel.get_by_role("img", name="USA02 rates the structure a high risk, safest entry left")
+    expect(box.locator("path")).to_have_count(4, timeout=SOON_MS)
+    for letter in ("D", "C"):
+        panel.get_by_role("button", name=f"{letter}: ").click()
+        expect(panel.get_by_role("img", name="Rapid clearance").last).to_contain_text(letter, timeout=SOON_MS)
+    expect(panel.get_by_role("img", name="Rapid clearance")).to_have_count(2)

@@ -84,6 +84,16 @@ def test_a_robot_is_ordered_about(
         expect(state).to_contain_text("Explore by nearest", timeout=SOON_MS)
         robot.speak(2)
         expect(state).to_contain_text("Explore by nearest: done", timeout=SOON_MS)
+        card.get_by_label("Shares out by").select_option("hungarian")
+        expect(state).to_contain_text("Share out by hungarian: waiting", timeout=SOON_MS)
+        robot.speak(2)
+        expect(state).to_contain_text("Share out by hungarian: done", timeout=SOON_MS)
+        expect(card.get_by_text("It hears nobody by tags")).to_be_visible(timeout=SOON_MS)
+        card.get_by_label("Hears others by").select_option("full")
+        expect(state).to_contain_text("Hear others by full: waiting", timeout=SOON_MS)
+        robot.speak(2)
+        expect(state).to_contain_text("Hear others by full: done", timeout=SOON_MS)
+        expect(card.get_by_text("It hears nobody")).to_have_count(0)
 
         card.get_by_role("button", name="Go to").click()
         _pick_a_place(page)
@@ -107,6 +117,7 @@ def test_a_robot_is_ordered_about(
 
         # what cannot be done says why, and still does to whoever opens the page anew
         card.get_by_role("button", name="Drop tag").click()
+        expect(state).to_contain_text("Drop a tag: waiting to be heard", timeout=SOON_MS)
         robot.speak(2)
         failed = "Drop a tag: failed, the magazine is empty."
         expect(state).to_contain_text(failed, timeout=SOON_MS)

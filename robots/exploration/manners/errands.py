@@ -9,7 +9,7 @@ from robots.exploration.aim import Aim
 from robots.exploration.area import holds
 from robots.exploration.frontiers import Frontier
 from robots.exploration.ground import Ground
-from robots.exploration.methods import unknown_method
+from robots.exploration.methods import hears_nobody, unknown_method
 from robots.orders import PLACED, Methods, OrderReport, OrderState, RobotOrder
 from robots.planning.plan_grid import UNKNOWN
 
@@ -182,9 +182,9 @@ class Errands:
         self.methods = replace(now, **names)
         self.changed = replace(self.changed, **names)
         words = ", ".join(f"{name} by {value}" for name, value in names.items())
-        self._report(
-            order, "done", words.replace("communication by", "communication:") or "nothing to change"
-        )
+        text = words.replace("communication by", "communication:") or "nothing to change"
+        deaf = hears_nobody(self.methods.coordinate, self.methods.communication)
+        self._report(order, "done", f"{text}; but {deaf}" if deaf else text)
 
     def _want_tag(self, order: RobotOrder, tags_left: int) -> None:
         if tags_left <= 0:

@@ -58,7 +58,10 @@ def test_the_story_of_a_worksite(control):
     line = control.open("worksite")
     at = f"/sectors/{uuid4()}"
     sector = {"name": "B2", "area_m": SQUARE}
-    site = {"worksite_id": "B-3", "hazards": "gas", "triage": "C", "is_complete": False, "visits": []}
+    site = {
+        "worksite_id": "B-3", "hazards": "gas", "triage": "C", "is_complete": False, "visits": [],
+        "ratings": [], "clearances": [],
+    }  # fmt: skip
     went = {
         "team": "AUS01", "level": 3, "entered_unix_s": 1e9, "left_unix_s": None, "is_finished": False,
         "parts": "",
@@ -75,6 +78,11 @@ def test_the_story_of_a_worksite(control):
     out = {**went, "left_unix_s": 1e9 + 60, "is_finished": True}
     done = {**inside, "visits": [out], "is_complete": True}
     assert line.call("PUT", at, {**sector, "worksite": done}).json()["worksite"] == done
+    rating = {"team": "USA02", "risk": "high", "entry": "left", "rated_unix_s": 1e9 + 70}
+    cleared = {"team": "AUS01", "found": "deceased", "cleared_unix_s": 1e9 + 80}
+    marked = {**done, "ratings": [rating], "clearances": [cleared]}
+    assert line.call("PUT", at, {**sector, "worksite": marked}).json()["worksite"] == marked
+    assert line.refused("PUT", at, {**sector, "worksite": done})[:2] == (409, "visits_lost")
     told = [event["text"].split(", says")[0] for event in line.events("sector")]
     assert told == [
         "Sector B2 is free",
@@ -82,10 +90,12 @@ def test_the_story_of_a_worksite(control):
         "AUS01 went into worksite B-3",
         "AUS01 left worksite B-3, all is searched",
         "Worksite B-3 needs no more work",
+        "USA02 found the structure of worksite B-3 a high risk",
+        "AUS01 searched worksite B-3: only deceased are left",
     ]
     entry = line.get("/audit?limit=1")["entries"][0]
     assert line.call("POST", f"/audit/{entry['audit_id']}/undo").status_code == 204
-    assert line.get("/sectors")["sectors"][0]["worksite"] == inside
+    assert line.get("/sectors")["sectors"][0]["worksite"] == done
 
 
 @pytest.mark.parametrize(
@@ -100,6 +110,15 @@ def test_the_story_of_a_worksite(control):
         ({"name": ""}, "invalid"),
         ({"worksite": {"worksite_id": "B3"}}, "invalid"),
         ({"worksite": {"worksite_id": "B-3", "triage": "E"}}, "invalid"),
+        (
+            {
+                "worksite": {
+                    "worksite_id": "B-3",
+                    "ratings": [{"team": "AUS01", "risk": "unsafe", "rated_unix_s": 1}],
+                }
+            },
+            "invalid",
+        ),
         (
             {"worksite": {"worksite_id": "B-3", "visits": [{"team": "AUS01", "entered_unix_s": -1}]}},
             "invalid",

@@ -99,8 +99,11 @@ def test_the_same_seed_writes_the_same_files(mission, tmp_path, capsys):
 
 
 def test_true_poses_leave_no_error(capsys):
-    assert run([*SHORT, "--poses", "truth", "--robots", "1", "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["ate_m"]["r1"] == pytest.approx(0.0, abs=1e-6)
+    options = ["--poses", "truth", "--robots", "1", "--coordinate", "hungarian", "--json"]
+    assert run([*SHORT, *options]) == 0
+    said = capsys.readouterr()
+    assert json.loads(said.out)["ate_m"]["r1"] == pytest.approx(0.0, abs=1e-6)
+    assert "hungarian shares out nothing among robots that hear nobody: by tags they do not" in said.err
 
 
 @pytest.mark.parametrize(

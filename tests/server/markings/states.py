@@ -5,7 +5,7 @@ from typing import Any, get_args
 from hypothesis import strategies as st
 
 from db.victim_records import VictimStatus
-from db.worksites import WorksiteTriage
+from db.worksites import Entry, Found, Risk, WorksiteTriage
 
 WORD = st.text("ABCDEFGHIJKLMNOPQRSTUVWXYZ 0123456789-.", max_size=30).map(str.strip)
 COUNT = st.none() | st.sampled_from([0, 1, 2, 12, 10_000])
@@ -45,6 +45,18 @@ def visits(draw: Any) -> dict[str, Any]:
     }
 
 
+WHEN = st.integers(NIGHT_UNIX_S, NIGHT_UNIX_S + 40_000_000)
+TEAM = st.sampled_from(["AUS01", "AUS-01", "TX-TF1", "X" * 20])
+RATINGS = st.builds(
+    dict,
+    team=TEAM,
+    risk=st.sampled_from(get_args(Risk)),
+    entry=st.sampled_from([None, *get_args(Entry)]),
+    rated_unix_s=WHEN,
+)
+CLEARANCES = st.builds(dict, team=TEAM, found=st.sampled_from(get_args(Found)), cleared_unix_s=WHEN)
+
+
 @st.composite
 def sectors(draw: Any) -> tuple[dict[str, Any], list[dict[str, Any]]]:
     """Return a sector with the victims of its mission."""
@@ -57,6 +69,10 @@ def sectors(draw: Any) -> tuple[dict[str, Any], list[dict[str, Any]]]:
             "triage": draw(st.sampled_from([None, *get_args(WorksiteTriage)])),
             "is_complete": draw(st.booleans()) and all(each["left_unix_s"] is not None for each in came),
             "visits": came,
+            **draw(st.sampled_from([{}, {"ratings": [], "clearances": []}])),
         }
+        if draw(st.booleans()):
+            worksite["ratings"] = draw(st.lists(RATINGS, min_size=1, max_size=2))
+            worksite["clearances"] = draw(st.lists(CLEARANCES, max_size=2))
     area = [[0.0, 0.0], [5.0, 0.0], [5.0, 5.0], [0.0, 5.0]]
     return {"area_m": area, "worksite": worksite}, draw(st.lists(victims(), max_size=3))

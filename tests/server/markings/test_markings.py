@@ -1,11 +1,13 @@
 """What is sprayed says what is known, and nothing else, whatever people have said."""
 
+from dataclasses import replace
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from db.victim_records import SaidRecord
-from db.worksites import VisitRecord, WorksiteRecord, goes_on
+from db.worksites import ClearanceRecord, RatingRecord, VisitRecord, WorksiteRecord, goes_on
 from server.markings.shapes import EM, lines_of, size_that_fits
 from server.markings.victims import victim_markings, victim_words
 from server.markings.worksites import inside, worksite_markings
@@ -85,11 +87,27 @@ def test_the_marking_of_a_worksite_is_never_wrong(told):
     below = [shape["text"] for shape in insarag.shapes if "text" in shape and shape["size"] == 52]
     assert below == ([worksite["triage"]] if worksite["triage"] else [])
     assert len(paths(insarag)) == 1 + worksite["is_complete"]  # the line through it: no more work
-    assert len(drawn) == 1 + bool(visits)
+    ratings, clearances = worksite.get("ratings", ()), worksite.get("clearances", ())
+    assert len(drawn) == 1 + bool(visits) + bool(ratings) + len(clearances)
+    if ratings:
+        check_structure(drawn[1 + bool(visits)], ratings[-1])
+    for diamond, cleared in zip(drawn[len(drawn) - len(clearances) :], clearances, strict=True):
+        assert texts(diamond)[0] == {"clear": "C", "deceased": "D"}[cleared["found"]]
     if visits:
         check_search(drawn[1], visits, inside(sector, there))
     for marking in drawn:
         assert_within(marking)
+
+
+def check_structure(box, rating):
+    """An empty box for low risk, one stroke through it for moderate, two for high; an arrow beside it."""
+    square, *strokes = paths(box)
+    assert square.endswith("Z")
+    crossing = [path for path in strokes if len(path.split()) == 4]
+    assert len(crossing) == {"low": 0, "moderate": 1, "high": 2}[rating["risk"]]
+    assert len(strokes) - len(crossing) == (rating["entry"] is not None)
+    assert texts(box)[-1] == rating["team"]
+    assert box.words.startswith(f"{rating['team']} rates the structure a {rating['risk']} risk")
 
 
 def check_search(fema, visits, there):
@@ -163,3 +181,16 @@ def test_visits_to_a_worksite_are_never_erased():
     assert not goes_on(site(went, other), site(went))
     assert not goes_on(site(left), site(went))
     assert not goes_on(site(went), None)
+
+
+def test_what_is_rated_or_cleared_is_never_erased():
+    low, high = RatingRecord("AUS01", "low", None, 10.0), RatingRecord("AUS01", "high", "left", 20.0)
+    dead, clear = ClearanceRecord("AUS01", "deceased", 30.0), ClearanceRecord("AUS01", "clear", 40.0)
+    bare = WorksiteRecord("C-5", "", None, False, ())
+    for name, (first, second) in (("ratings", (low, high)), ("clearances", (dead, clear))):
+        one, two = replace(bare, **{name: (first,)}), replace(bare, **{name: (first, second)})
+        assert goes_on(bare, one)
+        assert goes_on(one, two)
+        assert not goes_on(two, one)
+        assert not goes_on(one, replace(bare, **{name: (second,)}))
+        assert not goes_on(one, None)

@@ -7,6 +7,7 @@ import { socketAddress, takeClick, wishOf } from "./view_link.js";
 /** @import {Store} from "./store.js" */
 
 const PAUSE_MS = 150; // between two moments that are asked for
+const RETRY_MS = 2000;
 
 export class PastScene {
   /**
@@ -50,11 +51,20 @@ export class PastScene {
     this.cover.className = "past-scene";
     this.#say("Bringing the past into 3D.");
     this.root.append(this.cover);
+    this.#open(missionId);
+  }
+
+  /** @param {string} missionId */
+  #open(missionId) {
     this.isWaiting = true;
+    this.sent_s = 0;
     this.sentWish = "";
     const socket = new WebSocket(socketAddress(`${missionPath(missionId)}/history/view?theme=${shownTheme()}`));
     socket.onmessage = (event) => this.#receive(JSON.parse(event.data));
-    socket.onclose = (event) => this.#say(`The past cannot be shown in 3D: ${event.reason || "the server does not answer"}. The plan shows it.`);
+    socket.onclose = (event) => {
+      this.#say(`The past cannot be shown in 3D: ${event.reason || "the server does not answer"}. It is tried again; the plan shows it.`);
+      setTimeout(() => this.socket === socket && this.#open(missionId), RETRY_MS);
+    };
     this.socket = socket;
   }
 

@@ -10,11 +10,14 @@ import { html } from "./vendor.js";
 /** @type {Record<string, string>} */
 const ORDERS = {
   return: "Return", hold: "Hold", resume: "Resume exploring", go_to: "Go to", explore_here: "Explore here",
-  drop_tag: "Drop a tag", methods: "Explore by",
+  drop_tag: "Drop a tag",
 };
 /** @type {Record<string, string>} */
 const STATES = { issued: "waiting to be heard", delivered: "under way", done: "done", failed: "failed" };
 
+/** What a robot can be told of its methods: label, and verb of the order. @type {["explore" | "coordinate" | "communication", string, string][]} */
+const METHODS = [["explore", "Explores by", "Explore by"], ["coordinate", "Shares out by", "Share out by"],
+  ["communication", "Hears others by", "Hear others by"]];
 /** The names of all methods; asked for once. @type {Methods | null} */
 let methods = null;
 let isAsking = false;
@@ -121,24 +124,31 @@ export function RobotOrders({ robot, store }) {
         Click on the plan: that is where ${id} goes.</p>`}
       <p class="order-state">Its own map holds ${fixed(robot.explored_m2, 0)} m², ${
         percent(shareOf(robot, store))} of what the team has explored.</p>
-      ${methods && html`<${Strategy} robot=${robot} store=${store} known=${methods} />`}
+      ${methods && html`<${Ways} robot=${robot} store=${store} known=${methods} />`}
       ${latest && html`<${Latest} order=${latest} />`}
     </fieldset>`;
 }
 
-/** @param {{robot: Robot, store: Store, known: Methods}} props */
-function Strategy({ robot, store, known }) {
-  const now = robot.methods?.explore ?? "";
-  return html`<label class="strategy"><span>Explores by</span>
-    <select value=${now} onChange=${(/** @type {any} */ event) =>
-      change(store, robot.robot_id, { explore: event.currentTarget.value })}>
-      ${known.explore.map((name) => html`<option value=${name} selected=${name === now}>${name}</option>`)}
-    </select></label>`;
+/** How it explores and agrees with the others. @param {{robot: Robot, store: Store, known: Methods}} props */
+function Ways({ robot, store, known }) {
+  const { coordinate = "none", communication = "tags" } = robot.methods ?? {};
+  const isDeaf = !["full", "radio"].includes(communication) && !["none", "node-counting"].includes(coordinate);
+  return html`${METHODS.map(([key, label]) => {
+    const now = robot.methods?.[key] ?? "";
+    return html`<label class="strategy"><span>${label}</span>
+      <select value=${now} onChange=${(/** @type {any} */ event) =>
+        change(store, robot.robot_id, { [key]: event.currentTarget.value })}>
+        ${known[key].map((name) => html`<option value=${name} selected=${name === now}>${name}</option>`)}
+      </select></label>`;
+  })}${isDeaf && html`<p class="order-state">It hears nobody by ${communication}, so it shares out nothing: let it hear by full or radio.</p>`}`;
 }
 
 /** @param {Order} order */
-const nameOf = (order) =>
-  order.kind === "methods" ? `Explore by ${order.explore || "other methods"}` : ORDERS[order.kind] ?? order.kind;
+function nameOf(order) {
+  if (order.kind !== "methods") return ORDERS[order.kind] ?? order.kind;
+  const told = METHODS.filter(([key]) => order[key]).map(([key, , verb]) => `${verb} ${order[key]}`);
+  return told.length ? told.join(", ") : "Explore as before";
+}
 
 /** On a card that is not open: an order that waits or is under way. @param {{store: Store, robotId: string}} props */
 export function Pending({ store, robotId }) {

@@ -48,7 +48,7 @@ export function hourOf(unix_s) {
 
 /** @param {{markings: Marking[], words: string}} props */
 export function Sprayed({ markings, words }) {
-  return html`<div class="markings">${markings.map((marking) => html`<figure key=${marking.name}>
+  return html`<div class="markings">${markings.map((marking, k) => html`<figure key=${k}>
       <svg viewBox=${`0 0 ${marking.width} ${marking.height}`} role="img" aria-label=${`${marking.name}: ${marking.words}`}
         class=${marking.width > 100 ? "wide" : ""}>${marking.shapes.map(drawn)}</svg>
       <figcaption>${marking.name}</figcaption></figure>`)}

@@ -5,7 +5,10 @@
  *   stopped_all?: boolean, state_by?: string, state_unix_s?: number, ran_s?: number}} Mission
  * @typedef {{sector_id: string, name: string, area_m: [number, number][], size_m2: number, status: string, robots: string[],
  *   team: string, note: string, period: number | null, by: string, changed_unix_s: number, worksite?: Worksite | null}} Sector
- * @typedef {{worksite_id: string, hazards: string, triage: string | null, is_complete: boolean, visits: Visit[]}} Worksite
+ * @typedef {{worksite_id: string, hazards: string, triage: string | null, is_complete: boolean, visits: Visit[],
+ *   ratings?: Rating[], clearances?: Clearance[]}} Worksite
+ * @typedef {{team: string, risk: "low" | "moderate" | "high", entry: "left" | "right" | "above" | "below" | null, rated_unix_s: number}} Rating
+ * @typedef {{team: string, found: "clear" | "deceased", cleared_unix_s: number}} Clearance
  * @typedef {{team: string, level: number | null, entered_unix_s: number, left_unix_s: number | null, is_finished: boolean,
  *   parts: string}} Visit
  * @typedef {{number: number, commander: string, objectives: string, begun_unix_s: number, ended_unix_s: number | null}} Period

@@ -2,6 +2,7 @@
 
 import { timeOfDay } from "./format.js";
 import { Sprayed } from "./sprayed.js";
+import { StructureForm } from "./structure_form.js";
 import { Component, html } from "./vendor.js";
 import { inside, TRIAGE, worksiteMarkings } from "./worksite_marks.js";
 
@@ -81,6 +82,8 @@ export class WorksiteForm extends Component {
         <label>For<select value=${this.state.level} onChange=${(/** @type {any} */ event) => this.setState({ level: event.currentTarget.value })}>
           ${LEVELS.map((words, k) => html`<option value=${k + 1} selected=${this.state.level === String(k + 1)}>ASR${k + 1}: ${words}</option>`)}</select></label></div>
       <button type="button" disabled=${!this.state.team.trim()} onClick=${() => this.goIn()}>The team goes in</button>
+      <${StructureForm} worksite=${worksite} team=${this.state.team.trim()} now_s=${() => store.serverNow()}
+        onChange=${(/** @type {Partial<Worksite>} */ changes) => this.change(changes)} />
       <label class="tick"><input type="checkbox" checked=${worksite.is_complete} disabled=${isAnybodyIn}
         onChange=${() => this.change({ is_complete: !worksite.is_complete })}/>No more work is needed here</label></section>`;
   }

@@ -1,7 +1,8 @@
-/** Worksites as they are marked at their front: INSARAG, by the edition of their id, and FEMA's search. */
+/** Worksites as they are marked at their front: INSARAG, by the edition of their id, and FEMA. */
 
 import { holds } from "./area.js";
 import { dayOf, hourOf, letters, linesOf, sizeThatFits, stroke } from "./sprayed.js";
+import { clearanceMarking, structureMarking, teamName } from "./structure_marks.js";
 
 /** @import {Sector, Victim, Visit, Worksite} from "./types.js" */
 /** @import {Marking, Shape} from "./sprayed.js" */
@@ -30,13 +31,19 @@ export function inside(sector, victims) {
 export function worksiteMarkings(sector, victims) {
   const { worksite } = sector;
   if (!worksite) return [];
-  return [insarag(worksite), ...(worksite.visits.length ? [fema(worksite, inside(sector, victims))] : [])];
+  const rating = worksite.ratings?.at(-1);
+  return [insarag(worksite), ...(worksite.visits.length ? [fema(worksite, inside(sector, victims))] : []),
+    ...(rating ? [structureMarking(worksite, rating)] : []),
+    ...(worksite.clearances ?? []).map((clearance) => clearanceMarking(clearance, isNewEdition(worksite)))];
 }
+
+/** Whether its id is one of INSARAG's edition of 2027. @param {Worksite} worksite */
+const isNewEdition = ({ worksite_id }) => !worksite_id.slice(0, 2).includes("-");
 
 /** A box with the id and a line for every level done; hazards above, triage below. @param {Worksite} worksite @returns {Marking} */
 function insarag(worksite) {
   const { worksite_id: name, triage, visits, is_complete } = worksite;
-  const isNew = !name.slice(0, 2).includes("-");
+  const isNew = isNewEdition(worksite);
   const hazards = linesOf(worksite.hazards.toUpperCase(), 22);
   const top = 10 + 24 * hazards.length;
   const shapes = hazards.map((text, k) => letters(text, 150, 22 + 24 * k, sizeThatFits(text, 20, 280)));
@@ -50,10 +57,9 @@ function insarag(worksite) {
     height: top + high + (triage ? 62 : 10), shapes };
 }
 
-/** A level that is done; AUS-01 as the edition of 2020 draws it, AUS01 as that of 2027. @param {Visit} visit @param {boolean} isNew */
+/** A level that is done. @param {Visit} visit @param {boolean} isNew */
 function lineOf({ team, level, left_unix_s }, isNew) {
-  const found = /^([A-Z]{3})-?([0-9]{2})$/.exec(team);
-  return `${found ? `${found[1]}${isNew ? "" : "-"}${found[2]}` : team} ASR${level} ${dayOf(left_unix_s ?? 0)}`;
+  return `${teamName(team, isNew)} ASR${level} ${dayOf(left_unix_s ?? 0)}`;
 }
 
 /** @param {Worksite} worksite */
