@@ -22,8 +22,8 @@ from tests.web.conftest import CHROMIUM
 SOON_MS = 60_000
 PHONE = {"width": 390, "height": 844}
 JSQR = Path(__file__).parents[2] / "web/node_modules/jsqr/dist/jsQR.js"
-# The interface of https://wicg.github.io/shape-detection-api/ where the system has a reader. Linux has none: one that
-# the page does not know of stands in for it.
+# The interface of https://wicg.github.io/shape-detection-api/ where the system has a reader. Linux has none: one
+# that the page does not know of stands in for it.
 DETECTOR = """
   const read = ((module, exports) => { SOURCE; return module.exports; })({ exports: {} }, {});
   globalThis.BarcodeDetector = class {
@@ -38,7 +38,8 @@ DETECTOR = """
       if (globalThis.detected === 1) throw new DOMException("not yet", "InvalidStateError");
       if (!found) return [];
       const { topLeftCorner: a, topRightCorner: b, bottomRightCorner: c } = found.location;
-      return [{ rawValue: found.data, format: "qr_code", cornerPoints: [a, b, c, found.location.bottomLeftCorner],
+      const cornerPoints = [a, b, c, found.location.bottomLeftCorner];
+      return [{ rawValue: found.data, format: "qr_code", cornerPoints,
         boundingBox: DOMRectReadOnly.fromRect({ x: a.x, y: a.y, width: c.x - a.x, height: c.y - a.y }) }];
     }
   };
