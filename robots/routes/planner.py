@@ -10,23 +10,15 @@ from itertools import pairwise
 
 import numpy as np
 
+from robots.routes.hazards import Hazard, is_near
 from robots.routes.ways import Way, centimetres, shortest_ways
 from robots.se2 import Array
 
-_HAZARD_REACH_M = 2.0
 _HAZARD_COST_CM = 5000  # so long a detour is better than passing a hazard
 
 
 class NoRouteError(ValueError):
     """There is no such route; the message says why and what to do."""
-
-
-@dataclass(frozen=True, slots=True)
-class Hazard:
-    """Something to keep away from: a point, or the corners of an area, in the world frame."""
-
-    text: str
-    points_m: tuple[tuple[float, float], ...]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -68,7 +60,7 @@ class RouteMap:
 
     def hazards_near(self, points_m: Array) -> tuple[str, ...]:
         """Return what a line of points (n, 2) passes."""
-        return tuple(hazard.text for hazard in self._all_hazards if _is_near(points_m, hazard))
+        return tuple(hazard.text for hazard in self._all_hazards if is_near(points_m, hazard))
 
     def neighbours(self, tag_id: str) -> list[Way]:
         """Return the ways from a tag to those next to it, the shortest first."""
@@ -113,26 +105,3 @@ class RouteMap:
     def _leg(self, a: str, b: str) -> Leg:
         sd_m = float(np.hypot(self._sds_m.get(a, 0.0), self._sds_m.get(b, 0.0)))
         return Leg(self._ways[a, b], self._hazards[a, b], sd_m)
-
-
-def _is_near(points_m: Array, hazard: Hazard) -> bool:
-    """Say whether a way comes within reach of a hazard."""
-    steps = [np.linspace(a, b, max(2, int(np.hypot(*(b - a)) / 0.5) + 1)) for a, b in pairwise(points_m)]
-    line = np.vstack(steps) if steps else points_m
-    corners = np.array(hazard.points_m)
-    if len(corners) >= 3 and _inside(line, corners).any():
-        return True
-    far = np.hypot(*(line[:, None] - corners[None]).transpose(2, 0, 1))
-    return bool(far.min() < _HAZARD_REACH_M)
-
-
-def _inside(points_m: Array, corners: Array) -> Array:
-    """Say which points (n, 2) lie in a polygon: a ray from them crosses its sides an odd number of times."""
-    x, y = points_m[:, :1], points_m[:, 1:]
-    x0, y0 = corners.T
-    x1, y1 = np.roll(corners, -1, axis=0).T
-    with np.errstate(divide="ignore", invalid="ignore"):
-        crosses = (y0 > y) != (y1 > y)
-        at = x0 + (y - y0) * (x1 - x0) / (y1 - y0)
-    odd: Array = (crosses & (x < at)).sum(axis=1) % 2 == 1
-    return odd

@@ -1,4 +1,4 @@
-"""Ways between tags: the pieces of trails from one tag to the next that was passed."""
+"""Ways between tags: the pieces of trails from one tag to the next tag they passed, and people's walks."""
 
 from __future__ import annotations
 
@@ -16,13 +16,17 @@ from robots.team import TeamGrid
 
 PASSED_M = 0.75  # a trail that comes so near to a tag passes it
 _BENDS_M = 0.5  # bends smaller than this are no bends to a person
+_WALKED_M = 30.0  # somebody who touched two tags further apart went by more than one room: that says no way
+_COUNTED = 0.7  # of the straight line at the least, or a phone did not count all steps
+_DETOUR = 0.5  # by how much more a walk counts whose steps nobody counted
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Way:
-    """A way that was driven: ``points_m`` (n, 2) in the world frame, with both tags at its ends.
+    """A way that was driven or walked: ``points_m`` (n, 2) in the world frame, with both tags at its ends.
 
     ``width_m`` of its narrowest passage; ``narrow_cm``: by how much more than its length it counts for that.
+    ``walked_m``: its length to somebody who walked it, nobody knows just where; None where it was driven.
     """
 
     from_tag: str
@@ -30,11 +34,12 @@ class Way:
     points_m: Array
     width_m: float = inf
     narrow_cm: int = 0
+    walked_m: float | None = None
 
     @property
     def length_m(self) -> float:
         """How long it is."""
-        return length(self.points_m)
+        return length(self.points_m) if self.walked_m is None else self.walked_m
 
     @property
     def cost_cm(self) -> int:
@@ -82,6 +87,23 @@ def ways_along(
             width = (inf, 0) if grid is None else narrowness(grid, trail_m[i : j + 1])
             ways.append(Way(names[a], names[b], simplified(points, _BENDS_M), *width))
     return ways
+
+
+def way_walked(
+    one: str, other: str, places: Mapping[str, tuple[float, float]], steps_m: float | None
+) -> Way | None:
+    """Return the way of somebody who touched one tag and then the other; None where they are far apart.
+
+    As long as their steps made it (``steps_m``), else the straight line, that counts half as much again.
+    """
+    points = np.array([places[one], places[other]])
+    straight_m = length(points)
+    if straight_m > _WALKED_M:
+        return None
+    if steps_m is None or steps_m < _COUNTED * straight_m:
+        more_cm = centimetres(_DETOUR * straight_m)
+        return Way(one, other, points, narrow_cm=more_cm, walked_m=round(straight_m, 2))
+    return Way(one, other, points, walked_m=round(max(steps_m, straight_m), 2))
 
 
 def shortest_ways(ways: Iterable[Way]) -> dict[tuple[str, str], Way]:

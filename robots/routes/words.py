@@ -56,7 +56,8 @@ def bearing_deg(start: Array, end: Array) -> float:
 
 def is_uncertain(leg: Leg) -> bool:
     """Say whether its length and direction are but a guess."""
-    return leg.sd_m > _UNCERTAIN_M or leg.sd_m > _UNCERTAIN_SHARE * leg.way.length_m
+    far_m = leg.way.length_m
+    return leg.way.walked_m is not None or leg.sd_m > _UNCERTAIN_M or leg.sd_m > _UNCERTAIN_SHARE * far_m
 
 
 def is_narrow(way: Way) -> bool:
@@ -84,11 +85,35 @@ def leg_text(leg: Leg, language: Language = "en", north: North = OF_PLAN) -> str
             side = "round" if abs(turn) > 145.0 else "left" if turn < 0.0 else "right"
             key, run_m = f"turn_{side}", 0.0
         run_m, before = run_m + step_m, bearing
+    if leg.way.walked_m is not None:  # a straight line: it has no bend
+        run_m = leg.way.walked_m
     text = ", ".join([*pieces, piece(key, way, run_m)])
     sentence = say(language, "leg", pieces=text[0].upper() + text[1:], tag=leg.way.to_tag)
+    if leg.way.walked_m is not None:
+        sentence += f" {say(language, 'walked')}"
     if is_narrow(leg.way):
         sentence += f" {say(language, 'narrow', width=10 * round(centimetres(leg.way.width_m) / 10))}"
     return sentence + warning(leg.hazards, language)
+
+
+def is_last_uncertain(sd_m: float) -> bool:
+    """Say whether one has to search for what is at the end of a route, known to ``sd_m`` of the last tag."""
+    return sd_m > _UNCERTAIN_M
+
+
+def last_text(
+    way: Way,
+    goal: str,
+    sd_m: float,
+    hazards: Iterable[str],
+    language: Language = "en",
+    north: North = OF_PLAN,
+) -> str:
+    """Return the last piece as a sentence: "From tag A4 go 3 m north: there is victim v1."."""
+    point = north.point(north.bearing_deg(way.points_m[0], way.points_m[1]), language)
+    key = "last_leg_unsure" if is_last_uncertain(sd_m) else "last_leg"
+    values = {"tag": way.from_tag, "far": metres(way.length_m), "way": point, "goal": goal}
+    return say(language, key, **values, doubt=metres(2.0 * sd_m)) + warning(hazards, language)
 
 
 def warning(hazards: Iterable[str], language: Language = "en") -> str:

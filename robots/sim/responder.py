@@ -51,6 +51,7 @@ class Responder:
         base = simulation.starts[0]
         self._place = base.x, base.y
         self._at = BASE_TAG
+        self._touched: tuple[str, float] | None = None  # the tag read before, and when
         self.reached: set[str] = set()  # victims they have been led to
         self._thread = threading.Thread(target=self._live, name="responder", daemon=True)
 
@@ -98,7 +99,13 @@ class Responder:
         """Say where they are, and return what the phone shows."""
         self._at = tag
         now = time.time()
-        said = {
+        before, self._touched = self._touched, (tag, now)
+        came = (
+            {}
+            if before is None or before[0] == tag
+            else {"from_tag": before[0], "after_s": (now - before[1]) * self._speed}
+        )
+        said = came | {
             "kind": "at",
             "tag_id": tag,
             "made_by": self._name,

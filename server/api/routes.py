@@ -9,7 +9,7 @@ from fastapi import APIRouter, Query
 
 from robots.routes.planner import Leg
 from robots.routes.texts import Language
-from robots.routes.words import North, is_uncertain, leg_text
+from robots.routes.words import North, is_last_uncertain, is_uncertain, leg_text
 from robots.tags.short_id import understood
 from server.api.common import ERRORS, READS, AllMissions, OneMission, Viewer
 from server.errors import ApiError
@@ -31,15 +31,17 @@ From = Annotated[str, Query(alias="from", max_length=100, description="The tag y
 OfMission = Annotated[str | None, Query(max_length=100, description="Only this mission.")]
 Typed = Annotated[str, Query(max_length=100, description="What is written on the tag, as typed.")]
 Speaks = Annotated[Language, Query(description="The language of the words.")]
-To = Annotated[str, Query(max_length=120, description="victim:ID, tag:ID or note:ID.")]
+To = Annotated[
+    str, Query(max_length=120, description="victim:ID, tag:ID, note:ID, exit:ID, exit (the nearest) or base.")
+]
 
 
 @router.get("", summary="The way there", operation_id="get_route")
 async def get_route(mission: OneMission, from_: From, to: To, language: Speaks = "en") -> RouteOut:
     """Return tags to follow one after the other, each with distance, bearing and what to do in words.
 
-    It runs where robots have driven, round hazards and narrow places where that is possible, and says where
-    it is uncertain.
+    It runs where robots have driven or people walked, round hazards and narrow places where that is
+    possible, and says where it is uncertain. ``exit`` is the nearest of all, ``base`` where robots started.
     """
     route = mission.routes.find(mission.shared_map.grid, from_, to, language)
     north, last = mission.routes.north, None
@@ -50,6 +52,8 @@ async def get_route(mission: OneMission, from_: From, to: To, language: Speaks =
             distance_m=route.last.length_m,
             bearing_deg=north.bearing_deg(start, end),
             text=route.last_text,
+            uncertain=is_last_uncertain(route.last_sd_m),
+            sd_m=route.last_sd_m,
         )
     return RouteOut(
         from_tag=from_,
@@ -115,6 +119,7 @@ def _leg(leg: Leg, language: Language, north: North) -> LegOut:
         text=leg_text(leg, language, north),
         points_m=[[round(float(x), 2), round(float(y), 2)] for x, y in way.points_m],
         uncertain=is_uncertain(leg),
+        walked=way.walked_m is not None,
         width_m=way.width_m if isfinite(way.width_m) else None,
         hazards=list(leg.hazards),
     )

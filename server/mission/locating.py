@@ -20,8 +20,9 @@ from robots.team import TeamGrid
 from server.board import Board
 from server.errors import ApiError, unknown
 from server.map_image import classes_of
+from server.mission.goals import sd_of
 from server.mission.roster import Roster
-from server.mission.routes import north_of, places_of, sd_of
+from server.mission.routes import north_of, places_of
 from server.mission.shared_map import SharedMap
 from server.robot import Robot
 from server.schemas.locating import HeardIn, LocatedOut, LocateIn, PlaceOut, RingOut

@@ -19,14 +19,15 @@ from robots.routes.ways import centimetres
 from robots.team import TeamGrid
 from server.board import Board, Value
 from server.map_image import MapImage
+from server.mission.goals import ends_of, place_of, sd_of
 from server.mission.locating import Locating
 from server.mission.roster import Roster
-from server.mission.routes import Routes, ends_of, place_of, places_of, sd_of
+from server.mission.routes import Routes, places_of
 from server.mission.shared_map import SharedMap
 
 _MOST = {"tags": 20_000, "victims": 2_000, "notes": 2_000}
 _FRESH_S = 1.0  # so old an answer does for all who ask meanwhile
-_KINDS = ("tag", "trail", "victim", "annotation")
+_KINDS = ("tag", "trail", "victim", "annotation", "walk")
 _OF_VICTIM = ("victim_id", "status", "confidence", "live", "dead", "triage", "note", "merged_into", "by")
 _OF_NOTE = ("annotation_id", "kind", "text", "tag_id", "area_m", "by", "changed_unix_s")
 
@@ -80,12 +81,27 @@ class Pocket:
                     "x_axis_deg": self._routes.north.x_axis_deg,
                 }
                 roads = self._routes.roads(grid)
+                head["base"] = base_out(self._routes, roads, grid)
                 pack = await asyncio.to_thread(
                     pack_of, head, kinds, roads, image, grid, self._routes.place_kind
                 )
                 self._of, self._pack = now, pack
             self._packed_s = time.monotonic()
             return pack
+
+
+def base_out(routes: Routes, roads: RouteMap, grid: TeamGrid | None) -> Value | None:
+    """Return where the base is, and the tags in sight of it; None while that is not known."""
+    base = routes.base()
+    if base is None:
+        return None
+    ends = base.ends(grid, routes.places(), roads.tags)
+    return {
+        "x_m": base.place_m[0],
+        "y_m": base.place_m[1],
+        "tag_id": base.tag_id,
+        "ends": [[tag, centimetres(far_m)] for tag, far_m in ends.items()],
+    }
 
 
 def pack_of(
@@ -146,7 +162,10 @@ def pack_of(
 
 
 def _ways(roads: RouteMap, of: dict[str, int]) -> list[list[Any]]:
-    """Return for each way its tags, length, points (x, y, x, ...), narrowness and width in cm (0: wide)."""
+    """Return for each way its tags and, in cm, length, points, narrowness, width, what was walked.
+
+    Width is 0 where it is wide, what was walked where it was driven.
+    """
     return [
         [
             of[way.from_tag],
@@ -155,6 +174,7 @@ def _ways(roads: RouteMap, of: dict[str, int]) -> list[list[Any]]:
             [centimetres(float(number)) for number in way.points_m.ravel()],
             way.narrow_cm,
             centimetres(way.width_m) if isfinite(way.width_m) else 0,
+            0 if way.walked_m is None else centimetres(way.walked_m),
         ]
         for way in roads.ways
         if way.from_tag in of and way.to_tag in of

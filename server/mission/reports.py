@@ -20,10 +20,12 @@ from server.mission.evacuation import Evacuation
 from server.mission.mayday import call_for_help
 from server.mission.touches import too_far
 from server.mission.victims import Victims
+from server.mission.walks import Walks
 from server.schemas.reports import ReportIn
 from server.sharing import beside
 
 _LATE_S = 60.0
+_RESTORED = 20_000  # touches: twenty people for eight hours, two a minute
 _CLOCKS = {"kind", "made_by", "is_carried", "phone_unix_s", "offset_s", "sent_phone_unix_s"}
 
 
@@ -49,12 +51,14 @@ class Reports:
         self._alerts = alerts
         self._evacuation = evacuation
         self._chip_notes = chip_notes
+        self._walks = Walks(board)
         self._taking = asyncio.Lock()  # one sent twice at the same time counts once too
 
     async def restore(self) -> None:
-        """Show again where people were last."""
-        for record in reversed(await self._store.latest(self._mission_id, 1000, "at")):
+        """Show again where people were last and where they walked."""
+        for record in reversed(await self._store.latest(self._mission_id, _RESTORED, "at")):
             self._show_place(record)
+            self._walks.take(record.body)
 
     async def has(self, report_id: UUID) -> bool:
         """Say whether a report was taken."""
@@ -150,6 +154,7 @@ class Reports:
 
     async def _take_at(self, record: ReportRecord, said: ReportIn) -> str:
         self._show_place(record)
+        self._walks.take(record.body)
         text = too_far(self._board, record.by, said)
         if text is None:
             return "It was noted."

@@ -2,35 +2,38 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Set
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from math import degrees, hypot, sqrt
+from math import degrees, hypot
 
 import numpy as np
 
+from robots.routes.hazards import Hazard
+from robots.routes.pace import is_too_far
 from robots.routes.place_kind import PlaceKind
-from robots.routes.planner import Hazard, Leg, NoRouteError, RouteMap
-from robots.routes.sight import is_clear
-from robots.routes.texts import Language, say
-from robots.routes.ways import Way, ways_along
-from robots.routes.words import North, metres, warning
+from robots.routes.planner import Leg, NoRouteError, RouteMap
+from robots.routes.texts import Language
+from robots.routes.ways import Way, way_walked, ways_along
+from robots.routes.words import North, last_text
 from robots.team import TeamGrid
 from server.board import Board, Value
 from server.errors import ApiError, unknown
+from server.mission.goals import Goal, Places, base_of, goals_of, nearest_ends, place_of, sd_of
 from server.mission.place_kinds import PlaceKinds
-
-_IN_SIGHT_M = 15.0  # from a tag to what is looked for
-_AT_ONCE = 5  # of the nearest tags in sight, so many are tried
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Route:
-    """Legs from tag to tag, and the last piece from the last tag to a place that is no tag."""
+    """Legs from tag to tag, and the last piece from the last tag to a place that is no tag.
+
+    ``last_sd_m``: how well that place and the last tag are known to each other.
+    """
 
     legs: tuple[Leg, ...]
     to_m: tuple[float, float]
-    last: Way | None
-    last_text: str
+    last: Way | None = None
+    last_text: str = ""
+    last_sd_m: float = 0.0
 
     @property
     def distance_m(self) -> float:
@@ -53,7 +56,7 @@ class Routes:
         return north_of(self._board.get("georeference"))
 
     def find(self, grid: TeamGrid | None, from_tag: str, to: str, language: Language = "en") -> Route:
-        """Return the best route from a tag to ``tag:ID``, ``victim:ID`` or ``note:ID``.
+        """Return the best route from a tag to what ``goals_of`` makes of ``to``.
 
         Raises:
             ApiError: there is no such thing, or no route to it.
@@ -68,6 +71,14 @@ class Routes:
             (way.to_tag, way, self.north.bearing_deg(way.points_m[0], way.points_m[1]))
             for way in self._roads.neighbours(tag_id)
         ]
+
+    def base(self) -> Goal | None:
+        """Return where the mission's first robot started; None while none has."""
+        return base_of(self._board, self.places())
+
+    def places(self) -> Places:
+        """Return where tags are."""
+        return places_of(self._board.of_kind("tag"))
 
     def place_kind(self, grid: TeamGrid | None, tag: Value) -> PlaceKind:
         """Return of what kind a tag's place is, "" where the map does not tell or the tag is doubtful."""
@@ -84,7 +95,7 @@ class Routes:
     def _refresh(self, grid: TeamGrid | None) -> None:
         board = self._board
         now: list[object] = [grid]
-        now += [value for kind in ("tag", "trail", "annotation") for value in board.of_kind(kind)]
+        now += [value for kind in ("tag", "trail", "annotation", "walk") for value in board.of_kind(kind)]
         if len(now) != len(self._of) or any(a is not b for a, b in zip(now, self._of, strict=True)):
             self._of, self._roads = now, _roads(board, grid)
 
@@ -109,71 +120,29 @@ def _find(
     if from_tag not in tags:
         raise unknown("tag", from_tag)
     places = places_of(tags.values())
-    kind, _, name = to.partition(":")
-    target = _target(board, places, kind, name)
+    goals = goals_of(board, places, to)
+    ends, whose = nearest_ends([goal.ends(grid, places, roads.tags) for goal in goals])
+    if from_tag not in roads.tags:
+        ends = {tag: far for tag, far in ends.items() if tag == from_tag}
     try:
-        if kind == "tag":
-            return Route(tuple(roads.route(from_tag, [name])), target, None, "")
-        ends = ends_of(grid, places, roads.tags, target)
-        if from_tag not in roads.tags:
-            ends = {tag: far for tag, far in ends.items() if tag == from_tag}
         if not ends:
             raise NoRouteError(f"no tag lies in sight of {to} yet")
-        legs = roads.route(from_tag, ends, ends)
+        legs = tuple(roads.route(from_tag, ends, ends))
     except NoRouteError as error:
         raise ApiError(409, "no_route", f"There is no route: {error}.", "to") from error
     last = legs[-1].way.to_tag if legs else from_tag
-    way = Way(last, to, np.array([places[last], target]))
-    bearing = north.bearing_deg(way.points_m[0], way.points_m[1])
-    goal, where = say(language, f"goal_{kind}", name=name), north.point(bearing, language)
-    text = say(language, "last_leg", tag=last, far=metres(way.length_m), way=where, goal=goal)
-    text += warning(roads.hazards_near(way.points_m), language)
-    return Route(tuple(legs), target, way, text)
-
-
-def _target(
-    board: Board, places: Mapping[str, tuple[float, float]], kind: str, name: str
-) -> tuple[float, float]:
-    if kind == "tag":
-        if name not in places:
-            raise unknown("tag", name)
-        return places[name]
-    key = {"victim": "victim", "note": "annotation"}.get(kind)
-    if key is None:
-        message = "to: name tag:ID, victim:ID or note:ID."
-        raise ApiError(422, "invalid", message, "to")
-    value = board.get(f"{key}/{name}")
-    if value is None:
-        raise unknown(kind, name)
-    place = place_of(value, places)
-    if place is None:
-        raise ApiError(409, "no_place", f"Where {to_words(kind, name)} is, is not known yet.", "to")
-    return place
-
-
-def to_words(kind: str, name: str) -> str:
-    """Return what is looked for, in words."""
-    return f"{kind} {name}"
+    goal = goals[whose[last]]
+    if goal.tag_id is not None:
+        return Route(legs, goal.place_m)
+    way = Way(last, to, np.array([places[last], goal.place_m]))
+    sd_m = hypot(sd_of(tags[last]), goal.sd_m)
+    text = last_text(way, goal.words(language), sd_m, roads.hazards_near(way.points_m), language, north)
+    return Route(legs, goal.place_m, way, text, sd_m)
 
 
 def places_of(tags: Iterable[Value]) -> dict[str, tuple[float, float]]:
     """Return where tags are, to the centimetre: phones are told no more, and have to find the same routes."""
     return {tag["tag_id"]: (round(float(tag["x_m"]), 2), round(float(tag["y_m"]), 2)) for tag in tags}
-
-
-def sd_of(value: Value) -> float:
-    """Return how well a place is known: the root of the sum of its variances, in millimetres of a metre."""
-    return round(sqrt(value["covariance"][0] + value["covariance"][2]), 3)
-
-
-def place_of(value: Value, places: Mapping[str, tuple[float, float]]) -> tuple[float, float] | None:
-    """Return where a victim or a note is; None while it is at a tag whose place is not known."""
-    if value.get("area_m"):
-        middle = np.mean(value["area_m"], axis=0)
-        return round(float(middle[0]), 2), round(float(middle[1]), 2)
-    if value.get("x_m") is not None:
-        return round(float(value["x_m"]), 2), round(float(value["y_m"]), 2)
-    return places.get(value.get("tag_id") or "")
 
 
 def _roads(board: Board, grid: TeamGrid | None) -> RouteMap:
@@ -184,6 +153,7 @@ def _roads(board: Board, grid: TeamGrid | None) -> RouteMap:
     for trail in board.of_kind("trail"):
         if len(trail["points_m"]) > 1:
             ways += ways_along(np.array(trail["points_m"]), sound, grid)
+    ways += _walked(board, tags, sound)
     ways = [replace(way, points_m=np.round(way.points_m, 2)) for way in ways]
     sds_m = {tag_id: sd_of(value) for tag_id, value in tags.items()}
     hazards = []
@@ -195,22 +165,15 @@ def _roads(board: Board, grid: TeamGrid | None) -> RouteMap:
     return RouteMap(ways, sds_m, hazards)
 
 
-def ends_of(
-    grid: TeamGrid | None,
-    places: Mapping[str, tuple[float, float]],
-    on_roads: Set[str],
-    target: tuple[float, float],
-) -> dict[str, float]:
-    """Return the tags from which the target can be seen and walked to, with what is still to go.
-
-    The nearest of those that ways lead to, and all that none leads to: whoever stands there needs no way.
-    """
-    near = {
-        name: hypot(x - target[0], y - target[1])
-        for name, (x, y) in places.items()
-        if abs(x - target[0]) <= _IN_SIGHT_M and abs(y - target[1]) <= _IN_SIGHT_M
-    }
-    order = sorted((far, name) for name, far in near.items() if far <= _IN_SIGHT_M)
-    seen = {name: far for far, name in order if grid is None or is_clear(grid, places[name], target)}
-    first = [name for name in seen if name in on_roads][:_AT_ONCE]
-    return {name: far for name, far in seen.items() if name in first or name not in on_roads}
+def _walked(board: Board, tags: dict[str, Value], places: Places) -> list[Way]:
+    """Return the ways of people who touched one tag after another, in a time in which that can be."""
+    ways: list[Way] = []
+    for walk in board.of_kind("walk"):
+        one, other = walk["from_tag"], walk["to_tag"]
+        way = way_walked(one, other, places, walk["steps_m"]) if {one, other} <= places.keys() else None
+        if way is None:
+            continue
+        straight_m = float(np.hypot(*(way.points_m[1] - way.points_m[0])))
+        if not is_too_far(straight_m, hypot(sd_of(tags[one]), sd_of(tags[other])), walk["after_s"]):
+            ways.append(way)
+    return ways

@@ -7,7 +7,7 @@ from math import hypot
 from robots.routes.pace import is_too_far
 from robots.routes.words import metres
 from server.board import Board
-from server.mission.routes import sd_of
+from server.mission.goals import sd_of
 from server.schemas.reports import ReportIn
 
 

@@ -59,6 +59,15 @@ class PocketNoteOut(Wire):
     ends: list[End]
 
 
+class PocketBaseOut(Wire):
+    """Where the mission's first robot started."""
+
+    x_m: float
+    y_m: float
+    tag_id: str | None = Field(description="The tag that lies there.")
+    ends: list[End] = Field(description="A tag in sight, and centimetres from there.")
+
+
 class PocketRadioOut(Wire):
     """The radio of the mission's nodes: log-distance path loss, and what robots have learnt of it."""
 
@@ -97,10 +106,12 @@ class PocketOut(Wire):
     x_axis_deg: float | None = Field(description="True bearing of the plan's x axis; null while not known.")
     map: PocketPlanOut | None
     tags: list[PocketTagOut]
-    ways: list[tuple[int, int, int, list[int], int, int]] = Field(
+    ways: list[tuple[int, int, int, list[int], int, int, int]] = Field(
         description="Numbers of two tags, the length in cm, the points between, x and y of each in cm, by how"
-        " much more it counts for being narrow, and its narrowest width, 0 where not known, in cm."
+        " much more it counts for being narrow, its narrowest width, 0 where not known, in cm, and how long"
+        " it was to somebody who walked it, 0 where a robot drove it, in cm."
     )
+    base: PocketBaseOut | None = Field(description="Where the first robot started; null while none has.")
     victims: list[PocketVictimOut]
     notes: list[PocketNoteOut]
     left_out: dict[str, Any] = Field(description="How many tags, victims and notes had no room.")

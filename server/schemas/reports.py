@@ -24,9 +24,9 @@ _MAY: dict[ReportKind, tuple[str, ...]] = {
     "victim": ("text", "live", "dead", "start"),
     "mayday": ("text", "tag_id"),
     "heard": (),
-    "at": ("from_tag", "after_s"),
+    "at": ("from_tag", "after_s", "steps_m"),
 }
-_WHAT = ("note", "text", "tag_id", "live", "dead", "start", "since_unix_s", "from_tag", "after_s")
+_WHAT = ("note", "text", "tag_id", "live", "dead", "start", "since_unix_s", "from_tag", "after_s", "steps_m")
 _CLOCKS = {"phone_unix_s": 1790000000.0, "offset_s": 3.5, "sent_phone_unix_s": 1790000060.0}
 
 
@@ -71,9 +71,13 @@ class ReportIn(Wire):
 
     from_tag: Name | None = Field(
         None,
-        description="A tag that this phone read so shortly before that both cannot be where the map says.",
+        description="The tag that this phone read before this one: its owner walked from there, or, where"
+        " that is too far for the time, both cannot be where the map says.",
     )
     after_s: Annotated[float | None, Field(ge=0, le=3600, description="How long before, s.")] = None
+    steps_m: Annotated[
+        float | None, Field(ge=0, le=10_000, description="How far it was by the phone's own count of steps.")
+    ] = None
 
     @model_validator(mode="before")
     @classmethod
@@ -88,6 +92,8 @@ class ReportIn(Wire):
             raise ValueError(f"a report of the kind {self.kind} needs {' and '.join(missing)}")
         if (self.from_tag is None) != (self.after_s is None):
             raise ValueError("from_tag and after_s go together")
+        if self.steps_m is not None and self.from_tag is None:
+            raise ValueError("steps_m says how far it was from from_tag: name that too")
         other = [name for name in _WHAT if name in self.model_fields_set and name not in (*needed, *also)]
         other = [name for name in other if getattr(self, name) not in (None, "")]
         if other:

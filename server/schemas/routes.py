@@ -36,6 +36,7 @@ class LegOut(Wire):
     text: str
     points_m: list[list[float]] = Field(description="Where it bends, x and y of each point, ends included.")
     uncertain: bool = Field(description="Length and direction are but a guess.")
+    walked: bool = Field(description="Somebody went there on foot; nobody knows just where.")
     width_m: float | None = Field(description="Of its narrowest passage, up to 4 m; null where not known.")
     hazards: list[str] = Field(description="What it passes.")
 
@@ -47,6 +48,8 @@ class LastOut(Wire):
     distance_m: float
     bearing_deg: float
     text: str
+    uncertain: bool = Field(description="What is looked for has to be searched for there.")
+    sd_m: float = Field(description="Standard deviation of where it is, seen from the tag.")
 
 
 class NeighbourOut(Wire):
@@ -93,7 +96,7 @@ class TypedOut(Wire):
 
 
 class RouteOut(Wire):
-    """A route for people: tags one after the other, along what robots drove."""
+    """A route for people: tags one after the other, along what robots drove and people walked."""
 
     from_tag: str
     to: str

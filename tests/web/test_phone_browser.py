@@ -17,9 +17,8 @@ from tests.web.field import Field, keep
 
 SOON_MS = 60_000
 SHOWN = f"""async () => {{
-  const {{ notesWith }} = await {OWN_MODULE}("/static/phone/touch.js");
-  const {{ pocket }} = (await {OWN_MODULE}("/static/phone/state.js")).state;
-  return pocket && notesWith(pocket).map(({{ annotation_id, kind }}) => [annotation_id, kind]);
+  const {{ roads }} = (await {OWN_MODULE}("/static/phone/state.js")).state;
+  return roads && roads.notes.map(({{ annotation_id, kind }}) => [annotation_id, kind]);
 }}"""
 KEPT = """async () => {
   const { keepSent, sentBeyond } = await import("/static/phone/sent.js");

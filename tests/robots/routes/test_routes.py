@@ -8,10 +8,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from robots.routes.planner import Hazard, NoRouteError, RouteMap
+from robots.routes.hazards import Hazard, is_near
+from robots.routes.planner import NoRouteError, RouteMap
 from robots.routes.sight import is_clear
-from robots.routes.ways import Way, length, shortest_ways, simplified, ways_along
-from robots.routes.words import OF_PLAN, North, bearing_deg, is_narrow, leg_text
+from robots.routes.ways import Way, length, shortest_ways, simplified, way_walked, ways_along
+from robots.routes.words import OF_PLAN, North, bearing_deg, is_narrow, is_uncertain, last_text, leg_text
 from robots.team import TeamGrid
 
 TRUE = North(0.0)  # the plan's x axis points north
@@ -106,6 +107,34 @@ def test_words_say_how_far_which_way_and_where_to_turn():
     assert leg_text(vague, "en", TRUE) == "Go about 6 m north, turn left and go about 3 m to tag B."
 
 
+def test_a_walk_is_as_long_as_the_steps_were_and_uncertain_and_a_guess_costs_more():
+    at = {"A": (0.0, 0.0), "B": (6.0, 0.0), "far": (31.0, 0.0)}
+    counted, guessed = way_walked("A", "B", at, 9.04), way_walked("A", "B", at, None)
+    assert (counted.length_m, counted.cost_cm) == (9.04, 904)
+    assert (guessed.length_m, guessed.cost_cm) == (6.0, 900)
+    assert way_walked("A", "B", at, 3.0).cost_cm == 900  # not all steps were counted
+    assert way_walked("A", "B", at, 5.0).length_m == 6.0  # a straight line is the shortest
+    assert way_walked("A", "far", at, None) is None
+    (leg,) = RouteMap([counted]).route("B", ["A"])
+    assert is_uncertain(leg)
+    assert (
+        leg_text(leg, "en", TRUE)
+        == "Go about 9 m south to tag A. Somebody walked it; just where is not known."
+    )
+    driven = Way("A", "B", np.array([[0.0, 0.0], [6.0, 0.0]]), narrow_cm=200)
+    (leg,) = RouteMap([counted, guessed, driven]).route("A", ["B"])
+    assert leg.way is driven
+    assert not is_uncertain(leg)
+
+
+def test_what_is_not_known_well_has_to_be_searched_for():
+    way = Way("A", "victim:v1", np.array([[0.0, 0.0], [7.0, 0.0]]))
+    assert last_text(way, "victim v1", 0.9, (), north=TRUE) == "From tag A go 7 m north: there is victim v1."
+    words = last_text(way, "victim v1", 3.0, ("gas",), north=TRUE)
+    there = "From tag A go about 7 m north and search there: victim v1 is within about 6 m."
+    assert words == f"{there} Take care: gas."
+
+
 @pytest.mark.parametrize(
     ("to", "bearing", "point"),
     [((1, 0), 0, "north"), ((0, -1), 90, "east"), ((-1, 0), 180, "south"), ((0, 1), 270, "west"),
@@ -134,6 +163,40 @@ def test_hazards_are_gone_round_where_that_is_possible_and_told_where_not():
         (leg,) = RouteMap([direct], hazards=[hazard]).route("A", ["B"])
         assert leg_text(leg).endswith(f"to tag B. Take care: {hazard.text}.")
     assert [leg.way.to_tag for leg in RouteMap([direct, *round_]).route("A", ["B"])] == ["B"]
+
+
+points_near = st.tuples(st.integers(-900, 900), st.integers(-900, 900))
+
+
+def test_a_way_along_the_side_of_an_area_is_near_it_however_far_its_corners_are():
+    fire = Hazard("fire", ((-10.0, 0.0), (10.0, 0.0), (10.0, 20.0), (-10.0, 20.0)))
+    for y, expected in ((-0.1, True), (-1.9, True), (-2.1, False), (10.0, True)):
+        assert is_near(np.array([[-1.0, y], [1.0, y]]), fire) is expected
+    assert is_near(np.array([[-30.0, 5.0], [30.0, 5.0]]), fire)  # right through, no point of it within
+    assert is_near(np.array([[-30.0, 0.0], [30.0, 0.0]]), Hazard("gas", ((5.0, 1.9),)))
+    assert not is_near(np.array([[-30.0, 0.0], [30.0, 0.0]]), Hazard("gas", ((5.0, 2.0),)))
+
+
+@given(st.lists(points_near, min_size=2, max_size=4), st.lists(points_near, min_size=1, max_size=3))
+def test_near_is_what_looking_every_five_centimetres_finds(line, corners):
+    points, sides = np.array(line) / 100.0, np.array(corners) / 100.0
+
+    def walked(path, step_m):
+        return np.vstack(
+            [np.linspace(a, b, 2 + int(hypot(*(b - a)) / step_m)) for a, b in itertools.pairwise(path)]
+        )
+
+    way, rim = walked(points, 0.05), walked(np.vstack([sides, sides[:1]]), 0.05)
+    gap = np.hypot(*(way[:, None] - rim[None]).transpose(2, 0, 1)).min()
+    within = len(sides) == 3 and any(abs(_turns(sides, point)) > 0.5 for point in way[::20])
+    if within or not 2.0 <= gap < 2.06:
+        assert is_near(points, Hazard("hole", tuple(map(tuple, sides.tolist())))) == (within or gap < 2.0)
+
+
+def _turns(corners, point):
+    """How often a polygon goes round a point."""
+    angles = np.arctan2(*(corners - point).T[::-1])
+    return ((np.roll(angles, -1) - angles + np.pi) % (2 * np.pi) - np.pi).sum() / (2 * np.pi)
 
 
 def test_a_wall_hides_what_is_behind_it_but_not_what_lies_against_it():

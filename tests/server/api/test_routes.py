@@ -84,3 +84,21 @@ def test_words_come_in_german_too(driven, tags):
     where = driven.control.call("GET", f"/where/{a}?language=de").json()
     assert where["text"].startswith(f"Sie sind an Marke {a}, in einem Flur. ")
     assert driven.control.call("GET", f"/where/{a}?language=fr").status_code == 422
+
+
+def test_the_way_out_and_back_to_the_base(driven, tags):
+    a = max(tags, key=lambda tag: hypot(tags[tag]["x_m"], tags[tag]["y_m"]))
+    assert driven.refused("GET", f"/routes?from={a}&to=exit") == (409, "no_place", "to")
+    base = driven.get(f"/routes?from={a}&to=base")  # the robot started on that tag
+    assert (base["legs"], base["last"]) == (driven.get(f"/routes?from={a}&to=tag:BASE")["legs"], None)
+    assert base["legs"]
+    far, near = "00000000-0000-4000-8000-00000000fa01", "00000000-0000-4000-8000-00000000fa02"
+    order = sorted(tags, key=lambda tag: driven.get(f"/routes?from={a}&to=tag:{tag}")["distance_m"])
+    driven.call("PUT", f"/annotations/{far}", {"kind": "exit", "text": "gate", "tag_id": order[-1]})
+    driven.call("PUT", f"/annotations/{near}", {"kind": "exit", "text": "", "tag_id": order[1]})
+    assert driven.get(f"/routes?from={a}&to=exit:{far}")["legs"][-1]["to_tag"] == order[-1]
+    assert driven.get(f"/routes?from={a}&to=exit")["legs"][-1]["to_tag"] == order[1]
+    assert driven.get(f"/routes?from={a}&to=exit")["last"] is None
+    assert driven.refused("GET", f"/routes?from={a}&to=exit:none") == (404, "unknown_exit", None)
+    for note in (far, near):
+        driven.call("DELETE", f"/annotations/{note}")

@@ -86,6 +86,11 @@ export function sinceTag() {
   return { x_m: start.x_m, y_m: start.y_m, sd_m: Math.hypot(start.sd_m / Math.SQRT2, AT_TAG_M), at_most_m: LONG_STEP * STEP_M * steps };
 }
 
+/** How far the phone has come from a tag by its own steps, m; null where it did not count them from there. @param {string} tagId */
+export function walkedFrom(tagId) {
+  return now && now.tagId === tagId && feels ? Math.round(10 * STEP_M * now.walk.steps) / 10 : null;
+}
+
 /** Begin at the tag that was read. */
 export function begin() {
   const tag = state.roads?.tags[state.roads.numbers.get(state.tagId) ?? -1];

@@ -17,7 +17,7 @@ function turnFrom(step) {
   const { roads, before } = state;
   if (!roads || !before) return null;
   const edge = roads.neighbours(before).find(({ to }) => roads.tags[to].tag_id === step.from_tag);
-  if (!edge) return null;
+  if (!edge || edge.way[6]) return null; // where somebody walked is not known
   const [x0, y0, x1, y1] = edge.points.slice(-4);
   const came = (-Math.atan2(y1 - y0, x1 - x0) * 180) / Math.PI;
   const [start, next] = step.points_m;
@@ -37,9 +37,8 @@ function speak(text) {
 /** @param {{route: Route, to: string}} props */
 export function Guide({ route, to }) {
   const step = route.legs[0] ?? route.last;
-  const [kind, ...rest] = to.split(":");
-  const name = kind === "note" ? "" : rest.join(":");
-  const goal = say(/** @type {Key} */ (`goal_${kind}`), { name }).trim();
+  const [kind] = to.split(":");
+  const goal = kind === "note" ? say("goal_note", { name: "" }).trim() : route.goal;
   if (!step) return html`<section class="go"><p class="next">${say("there", { goal })}</p>
     <button type="button" onClick=${() => lead(null)}>${say("done")}</button></section>`;
   const here = metres(step.distance_m);

@@ -58,11 +58,12 @@ export async function openOutbox() {
  * @param {string} kind
  * @param {string} missionId
  * @param {Record<string, any>} body
+ * @param {number} [made_s] when it was made, by this phone's clock
  */
-export async function add(kind, missionId, body) {
+export async function add(kind, missionId, body, made_s = Date.now() / 1000) {
   const n = Math.max(0, ...[...reports.values()].map((report) => report.n)) + 1;
   /** @type {Report} */
-  const report = { id: newId(), n, mission_id: missionId, kind, body, made_by: reach.me?.name ?? "", phone_unix_s: Date.now() / 1000,
+  const report = { id: newId(), n, mission_id: missionId, kind, body, made_by: reach.me?.name ?? "", phone_unix_s: made_s,
     offset_s: reach.offset_s, tries: 0, due_ms: 0, refused: "", is_kept: true };
   if (kind === "at") { // only the last place counts, and what cannot be
     for (const old of reports.values()) {

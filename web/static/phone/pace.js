@@ -11,6 +11,7 @@ const FASTEST_MPS = 5;
 const LATE_S = 2;
 const SDS = 3;
 const MOST = 3;
+const LONGEST_S = 3600;
 
 /** @param {number} straight_m @param {number} sd_m @param {number} after_s */
 export const isTooFar = (straight_m, sd_m, after_s) => after_s >= 0 && straight_m - SDS * sd_m > FASTEST_MPS * (after_s + LATE_S);
@@ -41,6 +42,17 @@ export function judged(earlier, now) {
   const far = known.map((from) => tooFar(from, now, tags(from), here));
   const odd = far.every((found) => found !== null) ? far[0] : null;
   return { odd, seen: odd ? [...known, now].slice(-MOST) : [now] };
+}
+
+/**
+ * The tag that the phone's owner walked from; null where that is not certain, or too long ago to be a way.
+ * @param {Seen[]} earlier @param {Seen} now
+ */
+export function cameFrom(earlier, now) {
+  const [from, ...others] = earlier.filter(({ mission }) => mission === now.mission);
+  if (!from || others.length || from.tag === now.tag) return null;
+  const after_s = Math.round(10 * between(from, now)) / 10;
+  return after_s >= 0 && after_s <= LONGEST_S ? { from_tag: from.tag, after_s } : null;
 }
 
 /** @param {Seen} from @param {Seen} to @param {PocketTag | undefined} start @param {PocketTag} end @returns {TooFar | null} */

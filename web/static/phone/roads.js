@@ -1,13 +1,13 @@
 /** Routes over the ways that a phone carries: Dijkstra 1959, as robots/routes/planner.py, to the same centimetre. */
 
+import { hazardsOf, isNear } from "./hazards.js";
+
 /** @import {Pocket, PocketNote, PocketWay, End} from "./types.js" */
 /** @typedef {{way: PocketWay, points: number[], to: number, cost: number, hazards: string[]}} Edge */
 /** By the number of a tag what it costs to get there, the edge that leads there, and from which tag.
  *  @typedef {{from: number, costs: Float64Array, before: (Edge | undefined)[], origins: Int32Array}} Tree */
 
-const HAZARD_REACH_CM = 200;
 const HAZARD_COST_CM = 5000;
-const STEP_CM = 50;
 
 export class Roads {
   /** @param {Pocket} pocket @param {PocketNote[]} notes also those that this phone has not sent yet */
@@ -23,6 +23,7 @@ export class Roads {
     order.forEach((k, rank) => (this.ranks[k] = rank));
     /** @type {Edge[][]} */
     this.next = pocket.tags.map(() => []);
+    this.notes = notes;
     this.hazards = hazardsOf(notes);
     for (const way of pocket.ways) {
       const [a, b, cm, points, narrow_cm] = way;
@@ -37,7 +38,7 @@ export class Roads {
 
   /** What a line passes. @param {number[]} points x, y, x, y, ... in cm */
   hazardsNear(points) {
-    return this.hazards.filter(({ corners }) => isNear(points, corners)).map(({ text }) => text);
+    return this.hazards.filter((hazard) => isNear(points, hazard)).map(({ text }) => text);
   }
 
   /** The shortest ways from a tag to all others. @param {number} from @returns {Tree} */
@@ -148,44 +149,4 @@ function reversed(points) {
   const back = [];
   for (let k = points.length - 2; k >= 0; k -= 2) back.push(points[k], points[k + 1]);
   return back;
-}
-
-/** @param {PocketNote[]} notes */
-function hazardsOf(notes) {
-  return notes.filter(({ kind, x_m }) => kind === "hazard" && x_m !== null).map((note) => ({
-    text: note.text || "hazard",
-    corners: (note.area_m.length ? note.area_m : [[note.x_m ?? 0, note.y_m ?? 0]]).map(([x, y]) => [100 * x, 100 * y]),
-  }));
-}
-
-/**
- * Whether a way comes within reach of a hazard, looked at every half metre.
- * @param {number[]} points cm
- * @param {number[][]} corners cm; one for a point, three and more for an area
- */
-function isNear(points, corners) {
-  const xs = corners.map(([x]) => x);
-  const ys = corners.map(([, y]) => y);
-  const low = [Math.min(...xs) - HAZARD_REACH_CM, Math.min(...ys) - HAZARD_REACH_CM];
-  const high = [Math.max(...xs) + HAZARD_REACH_CM, Math.max(...ys) + HAZARD_REACH_CM];
-  for (let k = 0; k + 3 < points.length; k += 2) {
-    const [x0, y0, x1, y1] = points.slice(k, k + 4);
-    if (Math.max(x0, x1) < low[0] || Math.max(y0, y1) < low[1] || Math.min(x0, x1) > high[0] || Math.min(y0, y1) > high[1]) continue;
-    const count = Math.max(2, Math.trunc(Math.hypot(x1 - x0, y1 - y0) / STEP_CM) + 1);
-    for (let step = 0; step < count; step += 1) {
-      const share = step / (count - 1);
-      const [x, y] = [x0 + share * (x1 - x0), y0 + share * (y1 - y0)];
-      if (corners.some(([cx, cy]) => Math.hypot(x - cx, y - cy) < HAZARD_REACH_CM)) return true;
-      if (corners.length >= 3 && isInside(x, y, corners)) return true;
-    }
-  }
-  return false;
-}
-
-/** A ray from the point crosses the sides of an area it is in an odd number of times. @param {number} x @param {number} y @param {number[][]} corners */
-function isInside(x, y, corners) {
-  return corners.filter(([x0, y0], k) => {
-    const [x1, y1] = corners[(k + 1) % corners.length];
-    return y0 > y !== y1 > y && x < x0 + ((y - y0) * (x1 - x0)) / (y1 - y0);
-  }).length % 2 === 1;
 }

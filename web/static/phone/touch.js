@@ -1,8 +1,8 @@
 /** A tag was read: answer from what the phone carries, at once; then ask for the newest. */
 
-import { begin } from "./between.js";
+import { begin, walkedFrom } from "./between.js";
 import { add, onOutbox, waiting } from "./outbox.js";
-import { judged } from "./pace.js";
+import { cameFrom, judged } from "./pace.js";
 import { keptOf, missionOf, missions, open, opened, refresh, refreshAll } from "./pockets.js";
 import { reach, read, remember, remembered } from "./reach.js";
 import { Roads } from "./roads.js";
@@ -15,7 +15,7 @@ import { routeTo, whereIs } from "./where.js";
 
 const FRESH_MS = 15_000;
 const TARGET = "waymark.target"; // where this phone is being led
-const LAST = "waymark.last";
+const LAST = "waymark.last"; // the tag this phone was at last, since when, and whether that was reported
 const SEEN = "waymark.seen"; // the tags that this phone really read, and when
 
 /** Where this phone is being led: kept over reloads, none when it is another mission's.
@@ -46,35 +46,58 @@ export function lead(to) {
  * @param {number | null} [read_s] when the phone read the tag itself, by its clock; null where somebody chose it on the page
  */
 export async function touch(tagId, mission = null, isBack = false, told = null, read_s = null) {
+  if (read_s !== null && tagId === state.tagId && state.where) return touchedAgain(read_s);
   const known = remembered(LAST);
+  const isShownAgain = isBack && read_s === null; // a page loaded again, restored or gone back to: nobody touched anything
+  const since_s = isShownAgain && known?.tag === tagId ? known.since_s : read_s ?? Date.now() / 1000;
+  const isNews = !isShownAgain || (known?.tag === tagId && known.isTold === false);
   const before = known && known.tag !== tagId ? known.tag : known?.before ?? "";
   const address = tagId ? `/t/${encodeURIComponent(tagId)}${mission ? `?mission=${encodeURIComponent(mission)}` : ""}` : "/phone";
   if (!isBack && location.pathname + location.search !== address) history.pushState(null, "", address);
   wanted = mission;
   Object.assign(state, { tagId, before, where: null, route: null, said: "", trouble: "", form: "", scanning: false, foreign: null, choices: [], odd: null });
   if (!tagId) return changed();
-  remember(LAST, { tag: tagId, before });
+  remember(LAST, { tag: tagId, before, since_s, isTold: !isNews });
   answer();
   if (!state.where && told) Object.assign(state, { where: told.where, as_of_s: told.as_of_s });
-  if (read_s !== null) judge(read_s);
+  const came = read_s === null ? {} : judge(read_s);
   begin();
   changed();
   if (!state.where) await askServer();
   else if (reach.inReach !== false) await renew();
   const mission_id = missionId();
   if (state.tagId !== tagId || !state.where) return;
-  add("at", mission_id, { tag_id: tagId, ...(state.odd ? { from_tag: state.odd.before, after_s: state.odd.after_s } : {}) });
+  if (isNews) add("at", mission_id, { tag_id: tagId, ...came }, since_s).then(() => remember(LAST, { ...remembered(LAST), isTold: true }));
   const { askMemory } = await import("./memory_view.js");
   askMemory(mission_id, tagId);
 }
 
-/** See whether the phone can have come here from where it was. @param {number} read_s */
+/** The tag one is at was touched once more: one is at it, however far the phone's steps have gone. @param {number} read_s */
+function touchedAgain(read_s) {
+  const came = judge(read_s);
+  begin();
+  remember(LAST, { ...remembered(LAST), tag: state.tagId, since_s: read_s, isTold: true });
+  add("at", missionId(), { tag_id: state.tagId, ...came }, read_s);
+  changed();
+}
+
+/**
+ * See whether the phone can have come here from where it was.
+ * @param {number} read_s
+ * @returns {{from_tag?: string, after_s?: number, steps_m?: number}} from where it came, for the server
+ */
 function judge(read_s) {
   const { mission_id } = state.where ?? {};
-  if (!mission_id) return;
-  const { odd, seen } = judged(remembered(SEEN) ?? [], { mission: mission_id, tag: state.tagId, phone_s: read_s, offset_s: reach.offset_s });
+  if (!mission_id) return {};
+  const now = { mission: mission_id, tag: state.tagId, phone_s: read_s, offset_s: reach.offset_s };
+  const earlier = remembered(SEEN) ?? [];
+  const { odd, seen } = judged(earlier, now);
   state.odd = odd;
   remember(SEEN, seen);
+  if (odd) return { from_tag: odd.before, after_s: odd.after_s };
+  const came = cameFrom(earlier, now);
+  const steps_m = came && walkedFrom(came.from_tag);
+  return { ...came, ...(steps_m === null ? {} : { steps_m }) };
 }
 
 /** @type {string | null} */
@@ -113,7 +136,7 @@ function lacking(pocket) {
 const ownNotes = (pocket) => [...lacking(pocket).keys()].sort().join();
 
 /** Notes with those of this phone that are not among them yet. @param {Pocket} pocket @returns {PocketNote[]} */
-export function notesWith(pocket) {
+function notesWith(pocket) {
   const places = new Map(pocket.tags.map(({ tag_id, x_m, y_m }) => [tag_id, { x_m, y_m }]));
   return [...pocket.notes, ...[...lacking(pocket).values()].map(({ id, body, made_by, phone_unix_s }) => ({
     annotation_id: id, kind: body.note, text: body.text, tag_id: body.tag_id, x_m: null, y_m: null, area_m: [], by: made_by,

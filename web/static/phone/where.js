@@ -1,7 +1,7 @@
 /** Where am I, and the way there, from what the phone carries. As server/mission/whereabouts.py and routes.py answer. */
 
 import { say } from "./texts.js";
-import { bearingFrom, compassPoint, inMetres, lastOf, legOf, lengthOf, metres } from "./words.js";
+import { bearingFrom, compassPoint, inMetres, lastOf, legOf, lengthAlong, metres } from "./words.js";
 
 /** @import {Roads} from "./roads.js" */
 /** @import {End, NearVictim, Pocket, PocketTag, Route, Where} from "./types.js" */
@@ -10,41 +10,52 @@ import { bearingFrom, compassPoint, inMetres, lastOf, legOf, lengthOf, metres } 
 const NEAR_M = 20;
 const GONE = ["dismissed", "extricated"];
 
-/**
- * What is looked for: `tag:ID`, `victim:ID` or `note:ID`.
- * @param {Pocket} pocket @param {Roads} roads @param {string} to
- * @returns {{goal: string, place: [number, number] | null, ends: End[], isTag: boolean} | null} null where there is no such thing
- */
-function goalOf(pocket, roads, to) {
-  const [kind, ...rest] = to.split(":");
-  const name = rest.join(":");
-  const goal = say(/** @type {Key} */ (`goal_${kind}`), { name });
-  if (kind === "tag") {
-    const tag = roads.tags[roads.numbers.get(name) ?? -1];
-    return tag ? { goal, place: [tag.x_m, tag.y_m], ends: [[name, 0]], isTag: true } : null;
-  }
-  const found = kind === "victim" ? pocket.victims.find(({ victim_id }) => victim_id === name)
-    : pocket.notes.find(({ annotation_id }) => annotation_id === name);
-  if (!found) return null;
-  return { goal, place: found.x_m === null || found.y_m === null ? null : [found.x_m, found.y_m], ends: found.ends, isTag: false };
+/** `sd_m`: how well its place is known; `isAtTag`: reached with the tag. @typedef {{goal: string, place: [number, number], ends: End[], sd_m: number, isAtTag: boolean}} Goal */
+
+/** @param {Key} key @param {string} name @param {{x_m: number | null, y_m: number | null, ends: End[], sd_m?: number}} found @param {string | null} [tag] that it is at @returns {Goal[]} */
+function goal(key, name, { x_m, y_m, ends, sd_m = 0 }, tag = null) {
+  if (x_m === null || y_m === null) return [];
+  return [{ goal: say(key, { name }).trim(), place: [x_m, y_m], ends: tag === null ? ends : [[tag, 0]], sd_m, isAtTag: tag !== null }];
 }
 
 /**
- * @param {Pocket} pocket @param {Roads} roads @param {string} fromTag @param {string} to
+ * What is looked for: `tag:ID`, `victim:ID`, `note:ID`, `exit:ID`, `exit` (all of them: the nearest is meant) or `base`.
+ * @param {Pocket} pocket @param {Roads} roads @param {string} to
+ * @returns {Goal[]} none where there is no such thing, or nobody knows where
+ */
+function goalsOf(pocket, roads, to) {
+  const [kind, ...rest] = to.split(":");
+  const name = rest.join(":");
+  /** @param {string} tagId */
+  const tagOf = (tagId) => roads.tags[roads.numbers.get(tagId) ?? -1];
+  if (kind === "tag") return tagOf(name) ? goal("goal_tag", name, { ...tagOf(name), ends: [] }, name) : [];
+  if (kind === "base") return pocket.base ? goal("goal_base", "", pocket.base, pocket.base.tag_id) : [];
+  if (kind === "victim") return pocket.victims.filter(({ victim_id }) => victim_id === name).flatMap((found) => goal("goal_victim", name, found));
+  if (kind === "note") return pocket.notes.filter(({ annotation_id }) => annotation_id === name).flatMap((found) => goal("goal_note", name, found));
+  const exits = roads.notes.filter((note) => note.kind === "exit" && (to === "exit" || note.annotation_id === name));
+  return exits.flatMap((exit) => {
+    const tag = tagOf(exit.tag_id ?? "");
+    return goal("goal_exit", exit.text, exit, tag && tag.x_m === exit.x_m && tag.y_m === exit.y_m ? exit.tag_id : null);
+  });
+}
+
+/**
+ * @param {Pocket} pocket @param {Roads} roads @param {string} fromTag @param {string} to as `goalsOf` takes it
  * @returns {Route | null} null where no way is known
  */
 export function routeTo(pocket, roads, fromTag, to) {
-  const target = goalOf(pocket, roads, to);
-  const found = target && roads.route(fromTag, target.ends);
-  if (!target?.place || !found) return null;
+  const goals = goalsOf(pocket, roads, to);
+  const found = roads.route(fromTag, goals.flatMap(({ ends }) => ends));
+  const target = found && goals.find(({ ends }) => ends.includes(found.end));
+  if (!target || !found) return null;
   let from = /** @type {number} */ (roads.numbers.get(fromTag));
   const legs = found.edges.map((edge) => {
     const leg = legOf(roads, from, edge);
     from = edge.to;
     return leg;
   });
-  const last = target.isTag ? null : lastOf(roads, from, target.place, target.goal);
-  return { legs, last, distance_m: [...legs, ...(last ? [last] : [])].reduce((sum, step) => sum + step.distance_m, 0) };
+  const last = target.isAtTag ? null : lastOf(roads, from, target.place, target.goal, target.sd_m);
+  return { goal: target.goal, legs, last, distance_m: [...legs, ...(last ? [last] : [])].reduce((sum, step) => sum + step.distance_m, 0) };
 }
 
 /** @param {Pocket} pocket @param {Roads} roads @param {string} tagId @returns {Where | null} */
@@ -77,7 +88,7 @@ function textOf(roads, { tag_id: tag, place_kind: kind }, victims) {
   const there = roads.neighbours(tag).slice(0, 2).map((edge) => {
     const points = inMetres(edge.points);
     const way = compassPoint(bearingFrom(roads.north, points[1][0] - points[0][0], points[1][1] - points[0][1]), roads.north);
-    return say("next_to_it", { far: metres(lengthOf(points)), way, tag: roads.tags[edge.to].tag_id });
+    return say("next_to_it", { far: metres(lengthAlong(edge)), way, tag: roads.tags[edge.to].tag_id });
   });
   if (there.length) words.push(`${there.join("; ")}.`);
   const near = victims.filter(({ distance_m }) => distance_m <= NEAR_M).length;

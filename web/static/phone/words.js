@@ -46,32 +46,35 @@ const isUncertain = (sd_m, length_m) => sd_m > UNCERTAIN_M || sd_m > UNCERTAIN_S
 export function legOf(roads, from, edge) {
   const points = inMetres(edge.points);
   const [start, end] = [roads.tags[from], roads.tags[edge.to]];
-  const length_m = lengthOf(points);
-  const uncertain = isUncertain(Math.hypot(start.sd_m, end.sd_m), length_m);
+  const length_m = lengthAlong(edge);
+  const uncertain = edge.way[6] > 0 || isUncertain(Math.hypot(start.sd_m, end.sd_m), length_m);
   return {
     from_tag: start.tag_id,
     to_tag: end.tag_id,
     distance_m: length_m,
     bearing_deg: bearingFrom(roads.north, points[1][0] - points[0][0], points[1][1] - points[0][1]),
-    text: legText(points, end.tag_id, uncertain, edge, roads.north),
+    text: legText(points, end.tag_id, length_m, uncertain, edge, roads.north),
     uncertain,
     hazards: edge.hazards,
     points_m: points,
   };
 }
 
-/** @param {[number, number][]} points @param {string} toTag @param {boolean} uncertain @param {Edge} edge @param {number | null} north */
-function legText(points, toTag, uncertain, { way, hazards }, north) {
-  const leg = say("leg", { pieces: capital(piecesOf(points, uncertain, north).join(", ")), tag: toTag });
-  const width = way[5];
-  return withCare(width && width < NARROW_CM ? `${leg} ${say("narrow", { width: 10 * rounded(width / 10) })}` : leg, hazards);
+/** @param {[number, number][]} points @param {string} toTag @param {number} length_m @param {boolean} uncertain @param {Edge} edge @param {number | null} north */
+function legText(points, toTag, length_m, uncertain, { way, hazards }, north) {
+  const [, , , , , width, walked] = way;
+  const pieces = piecesOf(points, uncertain, north, walked ? length_m : null);
+  const words = [say("leg", { pieces: capital(pieces.join(", ")), tag: toTag })];
+  if (walked) words.push(say("walked"));
+  if (width && width < NARROW_CM) words.push(say("narrow", { width: 10 * rounded(width / 10) }));
+  return withCare(words.join(" "), hazards);
 }
 
 /** @param {string} text @param {string[]} hazards */
 const withCare = (text, hazards) => [text, ...hazards.map((hazard) => say("take_care", { hazard }))].join(" ");
 
-/** @param {[number, number][]} points @param {boolean} uncertain @param {number | null} north */
-function piecesOf(points, uncertain, north) {
+/** @param {[number, number][]} points @param {boolean} uncertain @param {number | null} north @param {number | null} walked_m of a straight line, its length on foot */
+function piecesOf(points, uncertain, north, walked_m) {
   /** @type {{key: Key, way: string, run_m: number}[]} */
   const runs = [];
   let before = 0;
@@ -86,18 +89,22 @@ function piecesOf(points, uncertain, north) {
     runs[runs.length - 1].run_m += Math.hypot(dx, dy);
     before = now;
   });
+  if (walked_m !== null) runs[0].run_m = walked_m;
   return runs.map(({ key, way, run_m }) => say(key, { way, far: uncertain ? say("about", { far: metres(run_m) }) : metres(run_m) }));
 }
 
-/** The last piece, from the last tag to what is looked for. @param {Roads} roads @param {number} from @param {[number, number]} place @param {string} goal @returns {Step} */
-export function lastOf(roads, from, place, goal) {
+/** The last piece, from the last tag to what is looked for. @param {Roads} roads @param {number} from @param {[number, number]} place @param {string} goal @param {number} sd_m of the place @returns {Step} */
+export function lastOf(roads, from, place, goal, sd_m) {
   const tag = roads.tags[from];
   const [dx, dy] = [place[0] - tag.x_m, place[1] - tag.y_m];
   const [distance_m, bearing_deg] = [Math.hypot(dx, dy), bearingFrom(roads.north, dx, dy)];
   const hazards = roads.hazardsNear([tag.x_m, tag.y_m, ...place].map((number) => Math.round(100 * number)));
-  const text = withCare(say("last_leg", { tag: tag.tag_id, far: metres(distance_m), way: compassPoint(bearing_deg, roads.north), goal }), hazards);
+  const off_m = Math.hypot(tag.sd_m, sd_m);
+  const uncertain = off_m > UNCERTAIN_M;
+  const words = { tag: tag.tag_id, far: metres(distance_m), way: compassPoint(bearing_deg, roads.north), goal, doubt: metres(2 * off_m) };
+  const text = withCare(say(uncertain ? "last_leg_unsure" : "last_leg", words), hazards);
   const points_m = /** @type {[number, number][]} */ ([[tag.x_m, tag.y_m], place]);
-  return { from_tag: tag.tag_id, to_tag: null, distance_m, bearing_deg, text, uncertain: false, hazards, points_m };
+  return { from_tag: tag.tag_id, to_tag: null, distance_m, bearing_deg, text, uncertain, hazards, points_m };
 }
 
 /** @param {number[]} points cm @returns {[number, number][]} */
@@ -109,7 +116,10 @@ export function inMetres(points) {
 }
 
 /** @param {[number, number][]} points */
-export const lengthOf = (points) => points.slice(1).reduce((sum, [x, y], k) => sum + Math.hypot(x - points[k][0], y - points[k][1]), 0);
+const lengthOf = (points) => points.slice(1).reduce((sum, [x, y], k) => sum + Math.hypot(x - points[k][0], y - points[k][1]), 0);
+
+/** How long a way is: as somebody walked it, else by its points. @param {Edge} edge */
+export const lengthAlong = ({ way, points }) => (way[6] ? way[6] / 100 : lengthOf(inMetres(points)));
 
 /** @param {number} value @param {number} by */
 const modulo = (value, by) => ((value % by) + by) % by;
