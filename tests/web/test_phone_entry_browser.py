@@ -22,8 +22,8 @@ from tests.web.conftest import CHROMIUM
 SOON_MS = 60_000
 PHONE = {"width": 390, "height": 844}
 JSQR = Path(__file__).parents[2] / "web/node_modules/jsqr/dist/jsQR.js"
-# The interface of https://wicg.github.io/shape-detection-api/ where the system has a reader. Linux has none: one
-# that the page does not know of stands in for it.
+# The interface of https://wicg.github.io/shape-detection-api/ where the system has a reader. Linux has none:
+# one that the page does not know of stands in for it.
 DETECTOR = """
   const read = ((module, exports) => { SOURCE; return module.exports; })({ exports: {} }, {});
   globalThis.BarcodeDetector = class {
