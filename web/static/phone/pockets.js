@@ -4,8 +4,8 @@ import { drop, firstPockets, put } from "./kept.js";
 import { ask, missionPath, now_s, read } from "./reach.js";
 
 /** @import {Pocket} from "./types.js" */
-/** `as_of_s`: when the server said that this is the latest, by its own clock. @typedef {{mission_id: string, mission_name: string, state: string,
- *   created_unix_s: number, etag: string, text: string, as_of_s: number, tag_ids: string[]}} Kept */
+/** `as_of_s`: when the server said that this is the latest, by its own clock; `parts`: names of the large ones by their content.
+ * @typedef {{mission_id: string, mission_name: string, state: string, created_unix_s: number, etag: string, parts?: Record<string, string>, text: string, as_of_s: number, tag_ids: string[]}} Kept */
 
 const MOST = 4; // missions on a phone
 
@@ -44,19 +44,21 @@ export async function refresh(missionId) {
   await opened;
   const known = kept.get(missionId);
   const headers = known ? { "If-None-Match": known.etag } : undefined;
-  const response = await ask("GET", `${missionPath(missionId)}/pocket`, { headers });
+  const have = Object.values(known?.parts ?? {}).join(); // what has not changed is not sent again
+  const response = await ask("GET", `${missionPath(missionId)}/pocket?have=${have}`, { headers });
   if (response?.status === 304 && known) {
     await keep({ ...known, as_of_s: now_s() });
     return "same";
   }
   if (!response?.ok) return "failed";
   try {
-    const text = await response.text();
+    const told = await response.json();
     /** @type {Pocket} */
-    const pocket = JSON.parse(text);
+    const pocket = { ...(known && open(known)), ...told };
+    const text = JSON.stringify(pocket);
     parsed = { text, pocket };
-    const { mission_id, mission_name, state, created_unix_s, tags } = pocket;
-    await keep({ mission_id, mission_name, state, created_unix_s, etag: response.headers.get("ETag") ?? "", text, as_of_s: now_s(),
+    const { mission_id, mission_name, state, created_unix_s, parts, tags } = pocket;
+    await keep({ mission_id, mission_name, state, created_unix_s, etag: response.headers.get("ETag") ?? "", parts, text, as_of_s: now_s(),
       tag_ids: tags.map(({ tag_id }) => tag_id) });
     return "new";
   } catch {

@@ -11,7 +11,7 @@ import { openOutbox } from "./outbox.js";
 import { PlanView } from "./plan.js";
 import { askWho, onReach } from "./reach.js";
 import { Word } from "./report.js";
-import { keepHere } from "./shell.js";
+import { keepHere, WithoutHttps } from "./shell.js";
 import { Standing } from "./standing.js";
 import { changed, state } from "./state.js";
 import { language, LANGUAGES, say, speak } from "./texts.js";
@@ -25,7 +25,7 @@ const AGES_MS = 10_000;
 
 /** Where no tag was read. */
 export function WhichTag() {
-  return html`<${Entry} /><${Nodes} />${state.fix && html`<${PlanView} />`}<${Languages} />`;
+  return html`<${Entry} /><${Nodes} />${state.fix && html`<${PlanView} />`}<${WithoutHttps} /><${Languages} />`;
 }
 
 /** Below the answer. @param {{mission: string}} props its name */
@@ -34,7 +34,7 @@ export function AtTag({ mission }) {
     <${MemoryView} />
     <${Word} />
     <h2>${say("at_another_tag")}</h2><${Entry} />
-    <p class="soft">${mission}</p><${Languages} />`;
+    <p class="soft">${mission}</p><${WithoutHttps} /><${Languages} />`;
 }
 
 /** How far the phone has come from the tag by its own steps. */

@@ -83,6 +83,7 @@ export const DE = {
   age_unknown: "Alter unbekannt: Die Uhr dieses Telefons wurde zurückgestellt",
   half_loaded: "Diese Seite ist erst zur Hälfte geladen: sie versucht es weiter. In Reichweite des Servers bleiben oder neu laden.",
   no_signal: "Kein Netz. Es geht weiter mit dem, was auf diesem Telefon ist.",
+  no_https: "Diese Adresse hat kein https. Lassen Sie diese Seite offen: Ohne Netz lässt sie sich nicht wieder öffnen. Kamera, Kompass, Schrittzähler und Marken lesen in der Seite gehen nicht. Wer den Server betreibt, schaltet das mit waymark ca ein.",
   logged_out: {
     one: "Sie sind abgemeldet. Eine Meldung bleibt hier und geht hinaus, wenn Sie sich anmelden.",
     other: "Sie sind abgemeldet. {count} Meldungen bleiben hier und gehen hinaus, wenn Sie sich anmelden.",

@@ -82,6 +82,7 @@ export const EN = {
   age_unknown: "of unknown age: this phone's clock was set back",
   half_loaded: "Only half of this page could be loaded: it tries again. Stay in reach of the server, or reload.",
   no_signal: "No signal. All goes on with what is on this phone.",
+  no_https: "This address has no https. Leave this page open: without signal it cannot be opened again. Camera, compass, step counter and reading tags within the page are off. Whoever runs the server switches all that on with waymark ca.",
   logged_out: {
     one: "You are logged out. One report is kept and goes out when you log in.",
     other: "You are logged out. {count} reports are kept and go out when you log in.",
