@@ -6,8 +6,12 @@ const TIMEOUT_MS = 8000; // without a byte: a slow network may take its time
 const OFFSET = "waymark.offset";
 const ME = "waymark.me";
 
-/** @param {string} name @returns {any} */
-function remembered(name) {
+/** What found no room in the storage: it is known until the page is closed. @type {Map<string, any>} */
+const unkept = new Map();
+
+/** @param {string} name @returns {any} what was remembered last, null if nothing */
+export function remembered(name) {
+  if (unkept.has(name)) return unkept.get(name);
   try {
     return JSON.parse(localStorage.getItem(name) ?? "null");
   } catch {
@@ -15,12 +19,13 @@ function remembered(name) {
   }
 }
 
-/** @param {string} name @param {unknown} value */
+/** @param {string} name @param {unknown} value as JSON has it; null for nothing any more */
 export function remember(name, value) {
   try {
     localStorage.setItem(name, JSON.stringify(value));
+    unkept.delete(name);
   } catch {
-    // the storage is full: it is known until the page is closed
+    unkept.set(name, value);
   }
 }
 
