@@ -150,7 +150,7 @@ def _play(context: Any, address: str, rng: random.Random, tally: Tally, sequence
 
 
 def _report(rng: random.Random, text: str) -> tuple[str, dict[str, Any]]:
-    kind = rng.choice(("note", "victim", "mayday", "photo", "at", "heard"))
+    (kind,) = rng.choices(("note", "victim", "photo", "mayday", "at", "heard"), (3, 3, 2, 1, 1, 1))
     if kind == "heard":
         return kind, {"since_unix_s": float(rng.randint(1, 9))}
     body: dict[str, Any] = {"tag_id": f"T{rng.randint(0, 2 * _MAPPED - 1)}"}
