@@ -8,7 +8,7 @@ from math import degrees, hypot
 
 import numpy as np
 
-from robots.routes.hazards import Hazard
+from robots.routes.hazards import UNNAMED, Hazard
 from robots.routes.pace import is_too_far
 from robots.routes.place_kind import PlaceKind
 from robots.routes.planner import Leg, NoRouteError, RouteMap
@@ -180,7 +180,7 @@ def _roads(board: Board, ways: list[Way]) -> RouteMap:
         place = place_of(note, places)
         if note["kind"] == "hazard" and place is not None:
             points = tuple((float(x), float(y)) for x, y in note["area_m"]) or (place,)
-            hazards.append(Hazard(note["text"] or "hazard", points))
+            hazards.append(Hazard(note["text"] or UNNAMED, points))
     return RouteMap(ways, sds_m, hazards)
 
 
