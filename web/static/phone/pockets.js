@@ -46,8 +46,20 @@ export function open(item) {
 /** @param {string} missionId */
 export const keptOf = (missionId) => kept.get(missionId) ?? null;
 
-/** Get the newest of a mission. @param {string} missionId @returns {Promise<"same" | "new" | "failed">} */
-export async function refresh(missionId) {
+/** @typedef {"same" | "new" | "failed"} Outcome */
+
+/** What is being fetched: over a slow network nothing is fetched twice at a time. @type {Map<string, Promise<Outcome>>} */
+const underWay = new Map();
+
+/** Get the newest of a mission. @param {string} missionId @returns {Promise<Outcome>} */
+export function refresh(missionId) {
+  const coming = underWay.get(missionId) ?? newest(missionId).finally(() => underWay.delete(missionId));
+  underWay.set(missionId, coming);
+  return coming;
+}
+
+/** @param {string} missionId @returns {Promise<Outcome>} */
+async function newest(missionId) {
   await opened;
   const known = kept.get(missionId);
   const headers = known ? { "If-None-Match": known.etag } : undefined;
