@@ -137,7 +137,7 @@ let own = "";
 const ownNotes = (pocket) => waiting().filter(({ kind, mission_id }) => kind === "note" && mission_id === pocket.mission_id).map(({ id }) => id).join();
 
 /** Notes with those that the server does not have yet. @param {Pocket} pocket @returns {PocketNote[]} */
-function notesWith(pocket) {
+export function notesWith(pocket) {
   const places = new Map(pocket.tags.map(({ tag_id, x_m, y_m }) => [tag_id, { x_m, y_m }]));
   const known = new Set(pocket.notes.map(({ annotation_id }) => annotation_id));
   const mine = waiting().filter(({ id, kind, mission_id }) => kind === "note" && mission_id === pocket.mission_id && !known.has(id));
