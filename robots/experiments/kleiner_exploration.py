@@ -1,8 +1,9 @@
 """Kleiner 2006 section VI, exploration: does what tags say nearly reach full communication?
 
 Five robots, from one place or spread out, one after the other or all at once: without communication, with
-one map for all, with the strategy of those with tags but none dropped, and with tags. The score is the area seen by the team per metre of way, when every robot has
-driven 0.1 m for each square metre of floor; the gap is from no communication to the shared map.
+one map for all, with the strategy of those with tags but none dropped, and with tags. The score is the area
+seen by the team per metre of way, when every robot has driven 0.1 m for each square metre of floor; the gap
+is from no communication to the shared map.
 """
 
 from __future__ import annotations

@@ -8,6 +8,7 @@ based on the odometry and continuously updated based on new scans."
 from __future__ import annotations
 
 from math import floor, hypot
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +20,8 @@ from robots.mapping.occupancy import LogOdds, cast_scan, stamp_disc
 from robots.planning.following import free_ahead
 from robots.se2 import Pose2
 from robots.types import LaserScan
+
+_Cell = TypeVar("_Cell", bound=np.generic)
 
 RESOLUTION_M = 0.04
 _STEP = 4  # cells by which it moves, and of the ring: coarser grids made of it keep their lattice
@@ -60,7 +63,8 @@ class LocalGrid(FusedGrid):
             return
         x, y = pose.transform_point(radius_m + FELT_RADIUS_M, 0.0)
         row, column = (floor(v / RESOLUTION_M) - c - _STEP for v, c in ((y, self._row0), (x, self._column0)))
-        stamp_disc(self._odds, row, column, round(FELT_RADIUS_M / RESOLUTION_M), self._config.limit_logodds)
+        radius = round(FELT_RADIUS_M / RESOLUTION_M)
+        stamp_disc(self._odds, self._touched, row, column, radius, self._config.limit_logodds)
         self._renew()
 
     def _renew(self) -> None:
@@ -80,8 +84,8 @@ class LocalGrid(FusedGrid):
         elif hypot(pose.x - last.x, pose.y - last.y) > _LEAP_M:
             self._row0, self._column0 = row, column  # what is round the robot stays round it
         else:
-            self._odds = _shifted(self._odds, row - self._row0, column - self._column0)
-            self._touched[:] = 0
+            by = row - self._row0, column - self._column0
+            self._odds, self._touched = _shifted(self._odds, *by), _shifted(self._touched, *by)
             self._row0, self._column0 = row, column
 
     def _stand_free(self) -> None:
@@ -90,7 +94,7 @@ class LocalGrid(FusedGrid):
         self._odds[middle, middle] = -self._config.hit_logodds
 
 
-def _shifted(cells: LogOdds, rows: int, columns: int) -> LogOdds:
+def _shifted(cells: NDArray[_Cell], rows: int, columns: int) -> NDArray[_Cell]:
     """Return the square moved by so many cells over the ground, with 0 where it comes to new ground."""
     if rows == columns == 0:
         return cells

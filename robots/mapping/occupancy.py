@@ -12,6 +12,8 @@ from robots.types import FloatArray32
 
 LogOdds = NDArray[np.int16]
 
+_PROVED, _FELT = 1, 2
+
 
 @njit(cache=True)
 def cast_scan(
@@ -36,9 +38,10 @@ def cast_scan(
     """Add one scan, taken at (x, y, theta) in the grid's frame, to the grid in place.
 
     Every cell changes at most once a scan: cells with a hit by ``hit``, cells crossed by a beam by ``-miss``.
-    Far readings clear with half the weight, because glass and smoke return them too. ``touched`` (same shape,
-    int32, 0 at first) holds twice the ``mark`` of the last scan that changed a cell, and one more once a beam
-    that came back crossed or ended in it: see ``proved``.
+    Far readings clear with half the weight, because glass and smoke return them too, and nothing that a body
+    felt. ``touched`` (same shape, int32, 0 at first) holds four times the ``mark`` of the last scan that
+    changed a cell, 1 more once a beam that came back crossed or ended in it (see ``proved``), 2 more where
+    something was felt.
     """
     rows, columns = grid.shape
     for i in range(ranges.shape[0]):  # hits first: they take precedence over beams that graze the same cell
@@ -48,8 +51,8 @@ def cast_scan(
         a = theta + angle_min + i * increment
         c = floor((x + r * cos(a) - origin_x) / resolution)
         w = floor((y + r * sin(a) - origin_y) / resolution)
-        if 0 <= w < rows and 0 <= c < columns and touched[w, c] >> 1 != mark:
-            touched[w, c] = 2 * mark + 1
+        if 0 <= w < rows and 0 <= c < columns and touched[w, c] >> 2 != mark:
+            touched[w, c] = 4 * mark | touched[w, c] & _FELT | _PROVED
             grid[w, c] = min(bound, grid[w, c] + hit)
     for i in range(ranges.shape[0]):
         r = float(ranges[i])
@@ -58,7 +61,7 @@ def cast_scan(
         far = not isfinite(r) or r >= range_max - 1e-3
         reach = min(range_max, limit) if far else min(r, limit)
         weight = max(1, miss // 2) if far else miss
-        back = 0 if far else 1
+        back = 0 if far else _PROVED
         a = theta + angle_min + i * increment
         dx, dy = cos(a), sin(a)
         # Amanatides and Woo: walk the cells from the sensor to the end of the beam
@@ -75,9 +78,12 @@ def cast_scan(
         while travelled < end:
             if 0 <= w < rows and 0 <= c < columns:
                 before = touched[w, c]
-                if before >> 1 != mark:
+                if before >> 2 == mark:
+                    if back:
+                        touched[w, c] = before | back
+                elif not far or before & _FELT == 0:
                     grid[w, c] = max(-bound, grid[w, c] - weight)
-                touched[w, c] = 2 * mark + (before & 1 | back)
+                    touched[w, c] = 4 * mark | before & 3 | back
             if next_x < next_y:
                 travelled = next_x
                 next_x += inv_x
@@ -93,15 +99,18 @@ def proved(touched: NDArray[np.int32]) -> NDArray[np.bool_]:
 
     What only others crossed may be free, or lie behind glass.
     """
-    found: NDArray[np.bool_] = (touched & 1).astype(np.bool_)
+    found: NDArray[np.bool_] = (touched & _PROVED).astype(np.bool_)
     return found
 
 
 @njit(cache=True)
-def stamp_disc(grid: LogOdds, row: int, column: int, radius_cells: int, value: int) -> None:
+def stamp_disc(
+    grid: LogOdds, touched: NDArray[np.int32], row: int, column: int, radius_cells: int, value: int
+) -> None:
     """Set the cells of a disc to at least ``value``: an obstacle that was felt, not seen."""
     rows, columns = grid.shape
     for w in range(max(0, row - radius_cells), min(rows, row + radius_cells + 1)):
         for c in range(max(0, column - radius_cells), min(columns, column + radius_cells + 1)):
             if (w - row) ** 2 + (c - column) ** 2 <= radius_cells**2:
                 grid[w, c] = max(grid[w, c], value)
+                touched[w, c] |= _FELT

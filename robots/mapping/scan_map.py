@@ -88,7 +88,7 @@ class ScanMap(FusedGrid):
         r = self._config.resolution_m
         x, y = self.origin
         row, column = floor((y_m - y) / r), floor((x_m - x) / r)
-        stamp_disc(self.cells, row, column, round(radius_m / r), self._config.limit_logodds)
+        stamp_disc(self.cells, self._touched, row, column, round(radius_m / r), self._config.limit_logodds)
         self._note(x_m, y_m, radius_m)
 
     def _note(self, x_m: float, y_m: float, reach_m: float) -> None:

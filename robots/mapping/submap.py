@@ -68,7 +68,8 @@ class Submap:
         self._cover(point.x, point.y, radius_m + config.resolution_m)
         row = floor((point.y - self.origin_y) / config.resolution_m)
         column = floor((point.x - self.origin_x) / config.resolution_m)
-        stamp_disc(self.cells, row, column, round(radius_m / config.resolution_m), config.limit_logodds)
+        radius = round(radius_m / config.resolution_m)
+        stamp_disc(self.cells, self.touched, row, column, radius, config.limit_logodds)
         self.version += 1
 
     def report(self) -> SubmapReport:

@@ -10,7 +10,8 @@ from math import sqrt
 from statistics import fmean
 from typing import Any
 
-from robots.estimation.radio.hearing import GAIN_SD_DB, Ears, NodePlace
+from robots.config import RadioConfig
+from robots.estimation.radio.hearing import EXPONENT_SD, GAIN_SD_DB, Ears, NodePlace
 from robots.estimation.radio.locating import Heard, Located, Plan, Since, locate
 from robots.estimation.radio.walls import WALL_DB
 from robots.routes.fix_words import fix_text, near_tag, right_to_m
@@ -88,6 +89,7 @@ def radio_value(ears: Ears) -> dict[str, Any]:
         "fading_sd_db": radio.fading_sd_db,
         "reach_m": radio.reach_m,
         "gain_sd_db": GAIN_SD_DB,
+        "exponent_sd": EXPONENT_SD,
         "wall_db": WALL_DB,
         "scale": ears.scale,
         "offsets_m": dict(ears.offsets_m),
@@ -99,7 +101,9 @@ def ears_of(robots: Iterable[Robot]) -> Ears:
     known = [(robot.ears, robot.graph, robot.slam) for robot in robots]
     hearing = [(ears, graph) for ears, graph, _ in known if graph is not None and len(graph.range_pairs)]
     if not hearing:
-        return next((ears for ears, _, slam in known if slam in ("rslam", "ekf")), Ears())
+        by_radio = [ears for ears, _, slam in known if slam in ("rslam", "ekf")]
+        told = [ears for ears, _, _ in known if ears.radio != RadioConfig()]
+        return next(iter(by_radio + told), Ears())
     offsets: dict[str, list[float]] = defaultdict(list)
     for _, graph in hearing:
         for tag_id, offset_m in zip(graph.tag_ids, graph.range_offsets_m, strict=False):

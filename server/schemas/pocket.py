@@ -78,6 +78,7 @@ class PocketRadioOut(Wire):
     fading_sd_db: float = Field(description="Of every reading.")
     reach_m: float
     gain_sd_db: float = Field(description="Of phones among each other.")
+    exponent_sd: float = Field(description="Of buildings among each other, as a share of the exponent.")
     wall_db: float = Field(description="What a wall takes.")
     scale: float = Field(description="Range measured = scale * true range + the node's offset.")
     offsets_m: dict[str, float] = Field(description="By tag id, where it is not 0.")

@@ -45,6 +45,7 @@ def test_restored_agents_continue_bit_for_bit(robot_log, cut):
     for observation in log[cut:]:
         assert encode(restored.step(observation)) == encode(agent.step(observation))
     assert encode(restored.report()) == encode(agent.report())
+    np.testing.assert_array_equal(*(each._maps.fused.unsure(4) for each in (restored, agent)))
 
 
 def test_a_restored_agent_can_be_stored_again(snapshot):

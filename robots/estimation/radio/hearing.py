@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from math import log
+from math import log, sqrt
 
 import numpy as np
 
@@ -20,6 +20,8 @@ from robots.estimation.radio.signal_mean import robust_mean
 from robots.estimation.radio.walls import WALL_DB
 
 GAIN_SD_DB = 4.0  # of phones among each other, and of how they are held
+EXPONENT_SD = 0.15  # as a share: n of one building and the next (Seidel and Rappaport 1992 table II)
+_LEAST_SD = 1e-3  # in ln d
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,7 +47,10 @@ class Ears:
     def shared(self) -> Radio:
         """What all signals have in common, in ln d."""
         per_db = log(10.0) / (10.0 * self.radio.path_loss_exponent)
-        return Radio(GAIN_SD_DB * per_db, WALL_DB * per_db, self.radio.reach_m)
+        radio = self.radio
+        sds = tuple(per_db * sd_db for sd_db in radio.table_sds_db or (radio.shadowing_sd_db,))
+        gain, wall, distances_m = GAIN_SD_DB * per_db, WALL_DB * per_db, radio.table_distances_m or (0.0,)
+        return Radio(gain, wall, radio.reach_m, EXPONENT_SD, distances_m, sds)
 
     def by_signal(self, node: NodePlace, rssis_dbm: Sequence[float]) -> Heard | None:
         """Return how far off a node sounds by signals heard at one place; None where they do not agree.
@@ -59,9 +64,9 @@ class Ears:
             if mean is None:
                 return None
             value, count = mean.rssi_dbm, mean.readings
-        median_m = min(model.distance_m(value), self.radio.reach_m)  # weaker than there is: walls
-        range_m = self._true(node.node_id, median_m)
-        return Heard(node.node_id, node.x_m, node.y_m, node.sd_m, range_m, model.log_sd(median_m, count))
+        range_m = self._true(node.node_id, model.distance_m(value))
+        fading = log(10.0) / (10.0 * self.radio.path_loss_exponent) * self.radio.fading_sd_db / sqrt(count)
+        return Heard(node.node_id, node.x_m, node.y_m, node.sd_m, range_m, max(fading, _LEAST_SD))
 
     def by_range(self, node: NodePlace, ranges_m: Sequence[float]) -> Heard:
         """Return how far off a node is by ranges measured at one place: their median.

@@ -5,10 +5,12 @@ that mirror each other and what walls take away need no approximation. The phone
 ``web/static/phone/locating.js``; both are held to ``tests/vectors/node_places.json``.
 
 A range m to a node at distance d, through w walls that take c each (in ln d):
-    by signal:  ln m ~ N(ln d + c w + g, s^2 + (node's sd / d)^2),  g ~ N(0, gain^2) the receiver's, common
+    by signal:  ln m ~ N(ln d + c w + g + e ln d, s(d)^2 + f^2 + (node's sd / d)^2 + v c^2 (w + 1/2))
     in metres:  m ~ N(d, sd^2 + (node's sd)^2)
-g is integrated out (Woodbury). A place has no say of its own but by the plan: who walks is seldom where
-nobody has looked, or in a wall.
+g ~ N(0, gain^2) is the receiver's gain, e ~ N(0, exponent^2) how this building differs: common to all
+readings, integrated out (Woodbury). The shadowing s(d) is of link and place and stays however often a node is
+heard; the fading f averages out. v: a wall takes more or less, and the map shows some that are none and lacks
+others. A place has no say of its own but by the plan: who walks is seldom where nobody looked, or in a wall.
 """
 
 from __future__ import annotations
@@ -43,7 +45,7 @@ _Drawn = tuple[Array, Array]  # costs, and the box they are drawn on
 class Heard:
     """A node in metres of the plan, ``place_sd_m`` along each axis, and how far off it sounds.
 
-    ``log_sd``: of the range's logarithm, by signal; 0 for a range in metres, with ``sd_m``.
+    ``log_sd``: of the range's logarithm, by signal, without shadowing; 0 for one in metres, with ``sd_m``.
     """
 
     node_id: str
@@ -76,11 +78,19 @@ class Plan:
 
 @dataclass(frozen=True, slots=True)
 class Radio:
-    """What all readings share: ``gain_sd`` and ``wall`` in ln d, ``reach_m``."""
+    """What all readings share, in ln d; ``exponent_sd`` is a share; the shadowing as in ``RadioConfig``."""
 
     gain_sd: float
     wall: float
     reach_m: float
+    exponent_sd: float = 0.0
+    distances_m: tuple[float, ...] = (0.0,)
+    shadow_sds: tuple[float, ...] = (0.0,)
+
+    def log_sd(self, distance_m: float) -> float:
+        """Return the deviation in ln d of a signal from so far, but for its fading."""
+        shadow = float(np.interp(distance_m, self.distances_m, self.shadow_sds))
+        return hypot(shadow, self.gain_sd, self.exponent_sd * log(max(distance_m, NEAREST_M)))
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,10 +117,7 @@ class Ring:
 
 @dataclass(frozen=True, slots=True)
 class Located:
-    """Places, the most probable first, or a ring where one node is all.
-
-    ``left_out``: a node that contradicts all others. ``fits``: the readings agree.
-    """
+    """Places, the most probable first, or a ring; ``left_out`` contradicts all others; what agrees fits."""
 
     places: tuple[Place, ...]
     ring: Ring | None = None
@@ -205,9 +212,9 @@ def _cut(box: Array, kept: tuple[int, int, int, int]) -> Array:
 
 def _box(rows: Array, radio: Radio, since: Since | None) -> Array:
     """Return what the readings and the way since allow: lowest x and y, size of a cell."""
-    spread = np.hypot(rows[:, 4], np.where(rows[:, 4] > 0.0, radio.gain_sd, 0.0))
+    spread = np.array([hypot(row[4], radio.log_sd(row[3])) if row[4] > 0.0 else 0.0 for row in rows])
     reach = rows[:, 3] * np.exp(_BEYOND_SD * spread) + _BEYOND_SD * (rows[:, 5] + rows[:, 2]) + NEAREST_M
-    reach = np.minimum(reach, np.maximum(3.0 * radio.reach_m, rows[:, 3]))
+    reach = np.where(rows[:, 4] > 0.0, np.minimum(reach, 3.0 * radio.reach_m), reach)
     middles, halves = rows[:, :2], reach
     if since is not None:
         middles = np.vstack([middles, (since.x_m, since.y_m)])
@@ -221,16 +228,19 @@ def _box(rows: Array, radio: Radio, since: Since | None) -> Array:
 
 def _costs(rows: Array, radio: Radio, since: Since | None, plan: Plan | None, box: Array) -> Array:
     told = _NOWHERE if since is None else (since.x_m, since.y_m, since.sd_m, since.at_most_m)
-    shared = (radio.gain_sd, radio.wall, radio.reach_m)
-    return np.asarray(costs_on(rows, box, shared, told, *_arrays(plan), True))
+    return np.asarray(costs_on(rows, box, *_shared(radio), told, *_arrays(plan), True))
 
 
 def _chi2(rows: Array, radio: Radio, plan: Plan | None, costs: Array, box: Array) -> float:
     """Return what the readings alone cost at the best cell."""
     row, column = np.unravel_index(int(np.argmin(costs)), costs.shape)
     here = np.array([box[0] + column * box[2], box[1] + row * box[3], box[2], box[3]])
-    shared = (radio.gain_sd, radio.wall, radio.reach_m)
-    return float(costs_on(rows, here, shared, _NOWHERE, *_arrays(plan), False)[0, 0])
+    return float(costs_on(rows, here, *_shared(radio), _NOWHERE, *_arrays(plan), False)[0, 0])
+
+
+def _shared(radio: Radio) -> tuple[tuple[float, float, float, float], Array]:
+    shared = (radio.gain_sd, radio.wall, radio.reach_m, radio.exponent_sd)
+    return shared, np.array([radio.distances_m, radio.shadow_sds])
 
 
 def _arrays(plan: Plan | None) -> tuple[NDArray[np.uint8], tuple[float, float, float]]:
@@ -255,8 +265,8 @@ def _ring(heard: Heard, radio: Radio) -> Ring:
     """Return how far off a node is: of all distances within reach, each alike, as it sounds."""
     if heard.log_sd <= 0.0:
         return Ring(heard.node_id, heard.range_m, hypot(heard.sd_m, heard.place_sd_m))
-    s = hypot(heard.log_sd, radio.gain_sd)
     centre = min(max(heard.range_m, NEAREST_M), radio.reach_m)
+    s = hypot(heard.log_sd, radio.log_sd(centre))
     furthest = min(radio.reach_m, centre * exp(5.0 * s))
     total = first = second = 0.0
     for k in range(_RING_STEPS):

@@ -124,6 +124,25 @@ def test_a_cell_changes_once_a_scan_and_again_in_the_next():
         assert grid[5, 10] == -mark * MISS
 
 
+def test_what_was_felt_is_cleared_by_beams_that_came_back_alone():
+    """Glass and bricks below the laser's plane let beams through: one from nowhere says nothing of them."""
+    grid, touched = np.zeros((1, 30), np.int16), np.zeros((1, 30), np.int32)
+
+    def look(ranges, marks):
+        for mark in marks:
+            cast(grid, ranges, (0.05, 0.05, 0.0), (0.0, 1e-4), (0.0, 0.0), mark=mark, touched=touched)
+
+    stamp_disc(grid, touched, 0, 10, 1, BOUND)
+    look([inf], range(1, 30))
+    assert grid[0, 9:12].tolist() == [BOUND] * 3
+    assert grid[0, 8] == grid[0, 12] == -BOUND
+    look([inf, 2.0], range(30, 33))  # one of each in a scan
+    assert grid[0, 9:12].tolist() == [BOUND - 3 * MISS] * 3
+    look([2.0], range(33, 60))
+    assert grid[0, 9:12].tolist() == [-BOUND] * 3
+    assert proved(touched)[0, :21].all()
+
+
 def test_log_odds_stay_within_the_bound():
     grid, touched = np.zeros((1, 30), np.int16), np.zeros((1, 30), np.int32)
     for mark in range(1, 30):
@@ -136,7 +155,7 @@ def test_a_disc_is_stamped_over_what_is_less_sure():
     rng = np.random.default_rng(2)
     before = rng.integers(-40, 41, (12, 15)).astype(np.int16)
     grid = before.copy()
-    stamp_disc(grid, 2, 13, 3, 25)  # reaches over two sides
+    stamp_disc(grid, np.zeros(grid.shape, np.int32), 2, 13, 3, 25)  # reaches over two sides
     rows, columns = np.indices(grid.shape)
     disc = (rows - 2) ** 2 + (columns - 13) ** 2 <= 9
     np.testing.assert_array_equal(grid, np.where(disc, np.maximum(before, 25), before))

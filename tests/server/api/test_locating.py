@@ -108,7 +108,8 @@ def test_the_radio_is_the_robots_with_what_they_have_learnt_of_it():
             ears=Ears(RadioConfig(power_at_1m_dbm=power)), slam=slam, graph=graph and SimpleNamespace(**graph)
         )
 
-    assert ears_of([]) == Ears()
+    assert ears_of([]) == ears_of([robot(-12.0, "tag-graph")]) == Ears()
+    assert ears_of([robot(-31.0, "tag-graph")]).radio.power_at_1m_dbm == -31.0
     assert ears_of([robot(-31.0, "tag-graph"), robot(-40.0, "rslam")]).radio.power_at_1m_dbm == -40.0
     heard = {"range_pairs": np.zeros((3, 2)), "tag_ids": ("N1", "N2")}
     first = robot(-50.0, "rslam", heard | {"range_scale": 1.1, "range_offsets_m": np.array([0.4, 0.01])})

@@ -6,11 +6,12 @@
 
 const NEAREST_M = 0.05;
 const FITS_SD = 2.5;
+const LEAST_SD = 1e-3;
 
 /** What all signals have in common, in ln d. @param {Radio} radio @returns {Shared} */
-export function sharedOf({ path_loss_exponent, gain_sd_db, wall_db, reach_m }) {
+export function sharedOf({ path_loss_exponent, gain_sd_db, exponent_sd, wall_db, reach_m, distances_m, sds_db }) {
   const perDb = Math.LN10 / (10 * path_loss_exponent);
-  return { gain_sd: gain_sd_db * perDb, wall: wall_db * perDb, reach_m };
+  return { gain_sd: gain_sd_db * perDb, wall: wall_db * perDb, reach_m, exponent_sd, distances_m, shadow_sds: sds_db.map((sd) => sd * perDb) };
 }
 
 /** How far off nodes sound; those that are not on the map, and those whose signals do not agree, are left out.
@@ -32,20 +33,11 @@ function bySignal(radio, tag, rssis) {
   const mean = robustMean(rssis.filter(Number.isFinite), radio.fading_sd_db);
   if (!mean) return null;
   const decades = (radio.power_at_1m_dbm - mean.rssi) / (10 * radio.path_loss_exponent);
-  const median = Math.min(Math.max(10 ** Math.min(decades, 6), NEAREST_M), radio.reach_m);
-  const variance = shadowing(radio, median) ** 2 + radio.fading_sd_db ** 2 / mean.count;
-  const log_sd = (Math.LN10 / (10 * radio.path_loss_exponent)) * Math.sqrt(variance);
+  const median = Math.max(10 ** Math.min(decades, 6), NEAREST_M);
+  const fading = ((Math.LN10 / (10 * radio.path_loss_exponent)) * radio.fading_sd_db) / Math.sqrt(mean.count);
+  const log_sd = Math.max(fading, LEAST_SD);
   const range_m = Math.max((median - (radio.offsets_m[tag.tag_id] ?? 0)) / radio.scale, NEAREST_M);
   return { node_id: tag.tag_id, x_m: tag.x_m, y_m: tag.y_m, place_sd_m: tag.sd_m / Math.SQRT2, range_m, log_sd, sd_m: 0 };
-}
-
-/** The deviation of the shadowing at a distance. @param {Radio} radio @param {number} far_m */
-function shadowing({ distances_m, sds_db }, far_m) {
-  const k = distances_m.findIndex((distance) => far_m <= distance);
-  if (k === 0) return sds_db[0];
-  if (k < 0) return sds_db[sds_db.length - 1];
-  const share = (far_m - distances_m[k - 1]) / (distances_m[k] - distances_m[k - 1]);
-  return sds_db[k - 1] + share * (sds_db[k] - sds_db[k - 1]);
 }
 
 /** The mean of the readings that agree, null where no two and no half of them do. @param {number[]} rssis @param {number} fading_sd_db */

@@ -1,6 +1,6 @@
 /** Where this phone is by how far off nodes sound; the model and its reasons are in robots/estimation/radio/locating.py. */
 
-import { CELLS, costsOn, NEAREST_M, piecesOf, readingCost } from "./likelihood.js";
+import { CELLS, costsOn, logSd, NEAREST_M, piecesOf, readingCost } from "./likelihood.js";
 
 /** @import {Box, Ground, Row, Shared, Since} from "./likelihood.js" */
 /** @typedef {{node_id: string, x_m: number, y_m: number, place_sd_m: number, range_m: number, log_sd: number, sd_m: number}} Heard */
@@ -117,9 +117,9 @@ function cut([x, y, sizeX, sizeY], [top, bottom, left, right]) {
 /** @param {Row[]} rows @param {Shared} shared @param {Since | null} since @returns {Box} */
 function boxOf(rows, shared, since) {
   const rounds = rows.map(([x, y, place_sd, range, log_sd, sd]) => {
-    const spread = Math.hypot(log_sd, log_sd > 0 ? shared.gain_sd : 0);
+    const spread = log_sd > 0 ? Math.hypot(log_sd, logSd(shared, range)) : 0;
     const reach = range * Math.exp(BEYOND_SD * spread) + BEYOND_SD * (sd + place_sd) + NEAREST_M;
-    return { x, y, half: Math.min(reach, Math.max(3 * shared.reach_m, range)) };
+    return { x, y, half: log_sd > 0 ? Math.min(reach, 3 * shared.reach_m) : reach };
   });
   if (since) rounds.push({ x: since.x_m, y: since.y_m, half: since.at_most_m + BEYOND_SD * since.sd_m + NEAREST_M });
   let low = [Math.max(...rounds.map(({ x, half }) => x - half)), Math.max(...rounds.map(({ y, half }) => y - half))];
@@ -153,7 +153,8 @@ function momentsOf(costs, box, share) {
 /** @param {Heard} heard @param {Shared} shared @returns {Ring} */
 function ringOf({ node_id, range_m, log_sd, sd_m, place_sd_m }, shared) {
   if (log_sd <= 0) return { node_id, range_m, sd_m: Math.hypot(sd_m, place_sd_m) };
-  const [s, centre] = [Math.hypot(log_sd, shared.gain_sd), Math.min(range_m, shared.reach_m)];
+  const centre = Math.min(range_m, shared.reach_m);
+  const s = Math.hypot(log_sd, logSd(shared, centre));
   const furthest = Math.min(shared.reach_m, centre * Math.exp(5 * s));
   let [total, first, second] = [0, 0, 0];
   for (let k = 0; k < RING_STEPS; k += 1) {
