@@ -69,10 +69,13 @@ def ways_along(
     A tag counts as passed where the trail is nearest to it, once for each time that it comes near. A trail
     has no gap: whoever was carried off begins another. With the fused map ways know how wide they are.
     """
-    names = sorted(tags)
-    if len(names) < 2 or len(trail_m) < 2:
+    if len(tags) < 2 or len(trail_m) < 2:
         return []
     trail_m = np.asarray(trail_m, float)
+    (x0, y0), (x1, y1) = trail_m.min(0) - PASSED_M, trail_m.max(0) + PASSED_M
+    names = sorted(name for name, (x, y) in tags.items() if x0 <= x <= x1 and y0 <= y <= y1)
+    if len(names) < 2:
+        return []
     places = np.array([tags[name] for name in names])
     passed: list[tuple[int, int]] = []  # index on the trail, index of the tag
     for tag, near in enumerate(cKDTree(trail_m).query_ball_point(places, PASSED_M)):

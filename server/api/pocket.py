@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import asyncio
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Header, Response
+from fastapi import APIRouter, Header, Query, Response
 
 from server.api.common import ERRORS, READS, OneMission
 from server.people.audit import AuditedRoute
@@ -28,18 +29,24 @@ async def get_pocket(
     mission: OneMission,
     if_none_match: Annotated[str | None, Header()] = None,
     accept_encoding: Annotated[str, Header()] = "",
+    have: Annotated[
+        str, Query(max_length=200, description="Names of `parts` to leave out, with commas between.")
+    ] = "",
 ) -> Response:
     """Return all that a phone needs to answer without the server: plan, tags, ways, victims, notes.
 
     Routes over `ways` cost their length in centimetres, what each counts more for being narrow, and 5,000 for
     each hazard within 2 m; `ends` of what is looked for are the tags from which it is in sight, with the
-    centimetres still to go.
+    centimetres still to go. `parts` names the two that are large: `ground`, which is `tags` and `ways`, and
+    `plan`, which is `map`; who has one under that name, says so in `have`, and is not sent it again.
     """
     pack = await mission.pocket.pack()
     headers = {"ETag": pack.etag, "Cache-Control": "no-cache", "Vary": "Accept-Encoding"}
     if if_none_match is not None and pack.etag in [tag.strip() for tag in if_none_match.split(",")]:
         return Response(status_code=304, headers=headers)
+    known = frozenset(have.split(","))
     if "gzip" in accept_encoding:
         headers["Content-Encoding"] = "gzip"
-        return Response(pack.zipped, media_type="application/json", headers=headers)
-    return Response(pack.plain, media_type="application/json", headers=headers)
+        body = await asyncio.to_thread(pack.zipped, known)
+        return Response(body, media_type="application/json", headers=headers)
+    return Response(pack.plain(known), media_type="application/json", headers=headers)

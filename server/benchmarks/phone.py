@@ -15,6 +15,7 @@ from robots.routes.planner import RouteMap
 from robots.routes.ways import Way
 from robots.sim.live import play
 from robots.sim.scenario import ScenarioConfig
+from server.benchmarks import phone_network
 from server.benchmarks.browser import OWN_MODULE, chromium, server_process
 from web.bundle import Sources
 from web.mount import NODE_MODULES, STATIC, VENDOR_FILES
@@ -75,7 +76,15 @@ def measure() -> dict[str, Any]:
             found[f"touch to answer, page open, {word}, ms"] = median(page.evaluate(_TOUCH, t) for t in tags)
         found |= _routes(page)
         context.close()
+        found |= _over_a_slow_network(browser, home, tags[0])
     return {name: round(value, 1) for name, value in found.items()}
+
+
+def _over_a_slow_network(browser: Any, home: str, tag: str) -> dict[str, float]:
+    of = {"1 Mbit/s": phone_network.measure(browser, home, _MISSION, tag, _SLOWER)}
+    with phone_network.large_mission() as (large, mission):
+        of["1 Mbit/s, 5,000 tags"] = phone_network.measure(browser, large, mission, "T0", _SLOWER)
+    return {f"{where}: {name}": value for where, found in of.items() for name, value in found.items()}
 
 
 def sizes() -> dict[str, float]:
@@ -125,7 +134,7 @@ def _routes(page: Any) -> dict[str, float]:
     numbers = {tag: k for k, tag in enumerate(places)}
     tags = [{"tag_id": tag, "x_m": x, "y_m": y, "sd_m": 0.1, "notice": ""} for tag, (x, y) in places.items()]
     packed = [
-        [numbers[way.from_tag], numbers[way.to_tag], 300, (100 * way.points_m).ravel().tolist(), 0, 0]
+        [numbers[way.from_tag], numbers[way.to_tag], 300, (100 * way.points_m).ravel().tolist(), 0, 0, 0]
         for way in ways
     ]
     pocket = {

@@ -4,12 +4,8 @@ from __future__ import annotations
 
 import asyncio
 import base64
-import gzip
-import hashlib
-import json
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from math import isfinite
 from typing import Any
 
@@ -21,6 +17,7 @@ from server.board import Board, Value
 from server.map_image import MapImage
 from server.mission.goals import ends_of, place_of, sd_of
 from server.mission.locating import Locating
+from server.mission.pack import Pack
 from server.mission.roster import Roster
 from server.mission.routes import Routes, places_of
 from server.mission.shared_map import SharedMap
@@ -30,15 +27,6 @@ _FRESH_S = 1.0  # so old an answer does for all who ask meanwhile
 _KINDS = ("tag", "trail", "victim", "annotation", "walk")
 _OF_VICTIM = ("victim_id", "status", "confidence", "live", "dead", "triage", "note", "merged_into", "by")
 _OF_NOTE = ("annotation_id", "kind", "text", "tag_id", "area_m", "by", "changed_unix_s")
-
-
-@dataclass(frozen=True, slots=True)
-class Pack:
-    """The file: as JSON, gzipped, and a name that changes with it."""
-
-    plain: bytes
-    zipped: bytes
-    etag: str
 
 
 class Pocket:
@@ -156,9 +144,7 @@ def pack_of(
             for name, kind in (("tags", "tag"), ("victims", "victim"), ("notes", "annotation"))
         },
     }
-    plain = json.dumps(value, separators=(",", ":"), ensure_ascii=False, allow_nan=False).encode()
-    name = hashlib.sha256(plain).hexdigest()[:20]
-    return Pack(plain, gzip.compress(plain, 6, mtime=0), f'W/"{name}"')
+    return Pack(value)
 
 
 def _ways(roads: RouteMap, of: dict[str, int]) -> list[list[Any]]:

@@ -105,12 +105,16 @@ class PocketOut(Wire):
     evacuation: EvacuationOut | None
     radio: PocketRadioOut
     x_axis_deg: float | None = Field(description="True bearing of the plan's x axis; null while not known.")
-    map: PocketPlanOut | None
-    tags: list[PocketTagOut]
+    parts: dict[str, str] = Field(
+        description="Names of `ground` (`tags`, `ways`) and `plan` (`map`), of their content."
+    )
+    map: PocketPlanOut | None = Field(None, description="Missing, not null, where it was left out.")
+    tags: list[PocketTagOut] = Field([], description="Missing where they were left out, as are the ways.")
     ways: list[tuple[int, int, int, list[int], int, int, int]] = Field(
+        [],
         description="Numbers of two tags, the length in cm, the points between, x and y of each in cm, by how"
         " much more it counts for being narrow, its narrowest width, 0 where not known, in cm, and how long"
-        " it was to somebody who walked it, 0 where a robot drove it, in cm."
+        " it was to somebody who walked it, 0 where a robot drove it, in cm.",
     )
     base: PocketBaseOut | None = Field(description="Where the first robot started; null while none has.")
     victims: list[PocketVictimOut]

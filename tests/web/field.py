@@ -32,25 +32,30 @@ class Field:
         return httpx.Client(base_url=f"{self.home}/api/v1/missions/drill", timeout=90)
 
 
-def drive(host: str, log: Any, **headers: str) -> Field:
+def drive(host: str, log: Any) -> Field:
     """Open the mission ``drill`` at a server and send a robot's log to it."""
-    with httpx.Client(base_url=f"http://{host}/api/v1", timeout=90, headers=headers) as client:
-        opened = client.post("/missions", json={"name": "Drill", "mission_id": "drill", "tag_key": ""})
-        opened.raise_for_status()
-        words = {"robot_id": "r1", "config": CONFIG, "start_pose": START}
-        client.post("/missions/drill/robots", json=words).raise_for_status()
-        wires = [observation_to_wire(observation) for observation in log.observations]
-        for k in range(0, len(wires), 100):
-            body = {"observations": wires[k : k + 100]}
-            client.post("/missions/drill/robots/r1/observations", json=body).raise_for_status()
-        deadline = time.monotonic() + 90.0
-        while True:
-            victims = client.get("/missions/drill/victims").json()["victims"]
-            links = client.get("/missions/drill/tags").json()["links"]
-            if victims and len(links) > 1:
-                return Field(host, links, victims[0]["victim_id"])
-            assert time.monotonic() < deadline, (victims, links)
-            time.sleep(0.1)
+    with httpx.Client(base_url=f"http://{host}/api/v1", timeout=90) as client:
+        return drive_as(client, host, log)
+
+
+def drive_as(client: httpx.Client, host: str, log: Any) -> Field:
+    """Open the mission ``drill`` and send a robot's log to it as somebody who may."""
+    words: dict[str, Any] = {"name": "Drill", "mission_id": "drill", "tag_key": ""}
+    client.post("/missions", json=words).raise_for_status()
+    words = {"robot_id": "r1", "config": CONFIG, "start_pose": START}
+    client.post("/missions/drill/robots", json=words).raise_for_status()
+    wires = [observation_to_wire(observation) for observation in log.observations]
+    for k in range(0, len(wires), 100):
+        body = {"observations": wires[k : k + 100]}
+        client.post("/missions/drill/robots/r1/observations", json=body).raise_for_status()
+    deadline = time.monotonic() + 90.0
+    while True:
+        victims = client.get("/missions/drill/victims").json()["victims"]
+        links = client.get("/missions/drill/tags").json()["links"]
+        if victims and len(links) > 1:
+            return Field(host, links, victims[0]["victim_id"])
+        assert time.monotonic() < deadline, (victims, links)
+        time.sleep(0.1)
 
 
 def keep(page: Page) -> None:

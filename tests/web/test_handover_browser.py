@@ -11,6 +11,7 @@ import httpx
 from PIL import Image
 from playwright.sync_api import Browser, Page, expect
 
+from server.benchmarks.browser import OWN_MODULE
 from tests.web.camera_film import write_film
 from tests.web.conftest import CHROMIUM
 
@@ -85,8 +86,8 @@ def test_reports_go_from_phone_to_phone_and_arrive_once(drill: Any, browser: Bro
 BREAK = """async () => {
   const { Collector, framesOf } = await import("/static/phone/handover.js");
   const report = (text) => ({
-    id: crypto.randomUUID(), mission_id: "m", kind: "note", body: { text }, made_by: "Kim", phone_unix_s: 5,
-    offset_s: null,
+    id: crypto.randomUUID(), mission_id: "m", kind: "note", body: { note: "note", text }, made_by: "Kim",
+    phone_unix_s: 5, offset_s: null,
   });
   const good = await framesOf(Array.from({ length: 40 }, () => report(crypto.randomUUID())));
   const collect = async (texts) => {
@@ -103,6 +104,13 @@ BREAK = """async () => {
     bomb: await collect(await framesOf([report("0".repeat(5_000_000))])),
     other: await collect(["https://usar.example/t/A4", "WAYMARK1:zz:0:1:AAAA"]),
     rubbish: await collect(["WAYMARK1:0:0:1:AAAA"]),
+    forged: await collect(await framesOf([
+      { ...report("x"), body: { note: "note", text: "x", made_by: "Ann" } },
+      { ...report("x"), body: { note: "note", text: "x", kind: "mayday" } },
+      { ...report("x"), body: { note: "onceler", text: "x" } },
+      { ...report("x"), body: { note: "note", text: {} } },
+      { ...report("x"), made_by: "x".repeat(61) },
+    ])),
     strange: await collect(await framesOf([{ ...report("x"), id: "../x" }, report("y")])),
   };
 }"""
@@ -119,6 +127,47 @@ def test_codes_in_any_order_damaged_or_foreign(browser: Browser, drill: Any) -> 
         "bomb": [True, "refused"],
         "other": [False, "not whole"],
         "rubbish": [True, "refused"],
+        "forged": [True, 0],
         "strange": [True, 1],
     }
+    context.close()
+
+
+OFFER = """async ([mission, tag]) => {
+  const { framesOf } = await OWN("/static/phone/handover.js");
+  const { takeCode } = await OWN("/static/phone/handover_view.js");
+  const report = (kind, body) => ({
+    id: crypto.randomUUID(), mission_id: mission, kind, body: { text: "", tag_id: tag, ...body },
+    made_by: "operator", phone_unix_s: 5, offset_s: null,
+  });
+  const said = [report("mayday", {}), report("note", { note: "note" })];
+  for (const frame of await framesOf(said)) takeCode(frame);
+}""".replace("OWN", OWN_MODULE)
+
+
+def test_a_poster_calls_no_mayday_in_the_name_of_who_scans_it(browser: Browser, drill: Any) -> None:
+    """It bears the scanner's own name: what calls others is asked about, and all is signed as carried."""
+    home, tag = f"http://{drill['host']}", drill["tags"][0]
+    context = browser.new_context(viewport=PHONE, locale="en-GB")
+    page = context.new_page()
+    page.goto(f"{home}/t/{tag}")
+    expect(page.get_by_role("button", name="MAYDAY")).to_be_visible(timeout=SOON_MS)
+    page.evaluate(OFFER, ["drill", tag])
+    offered = page.get_by_role("alert").filter(has_text="MAYDAY")
+    expect(offered).to_contain_text(f"MAYDAY @ {tag} · operator")
+    expect(page.get_by_text("One report was taken over.")).to_be_visible()
+    offered.get_by_role("button", name="Leave it").click()
+    expect(offered).to_have_count(0)
+    page.evaluate(OFFER, ["drill", tag])
+    offered.get_by_role("button", name="Take it").click()
+    with httpx.Client(base_url=f"{home}/api/v1/missions/drill", timeout=60) as api:
+        deadline = time.monotonic() + 60.0
+        while not (alerts := [a for a in api.get("/alerts").json()["alerts"] if a["kind"] == "mayday"]):
+            assert time.monotonic() < deadline
+            time.sleep(0.1)
+        assert [alert["text"].split(",")[0] for alert in alerts] == [
+            f"MAYDAY from operator (carried by operator) near tag {tag}"
+        ]
+        assert len([n for n in api.get("/reports").json()["reports"] if n["kind"] == "mayday"]) == 1
+    expect(page.get_by_role("button", name="MAYDAY: press and hold")).to_be_visible()  # it is not one's own
     context.close()

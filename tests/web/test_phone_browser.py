@@ -176,6 +176,31 @@ def test_a_phone_without_signal_opens_cold_answers_leads_and_keeps_reports(
         api.delete(f"/annotations/{note['annotation_id']}")
 
 
+def test_only_what_has_changed_is_fetched_again(field: Field, page: Page) -> None:
+    tag = field.links[0][0]
+    page.goto(f"{field.home}/t/{tag}")
+    keep(page)
+    fetched: list[dict[str, Any]] = []
+    page.on("response", lambda said: "/pocket" in said.url and said.ok and fetched.append(said.json()))
+    with field.api as api:
+        whole = api.get("/pocket").json()
+        note = {"kind": "hazard", "text": "gas", "tag_id": tag}
+        api.put("/annotations/00000000-0000-4000-8000-00000000feed", json=note).raise_for_status()
+        page.get_by_role("button", name=f"Victim {field.victim}").click(timeout=SOON_MS)
+        expect(page.locator(".go")).to_contain_text("Take care: gas.", timeout=SOON_MS)  # by itself
+        assert fetched
+        for told in fetched:
+            assert not {"tags", "ways", "map"} & set(told)
+            assert told["parts"] == whole["parts"]
+        api.delete("/annotations/00000000-0000-4000-8000-00000000feed")
+    page.reload()  # what is kept is whole
+    expect(page.get_by_text(f"You are at tag {tag}.")).to_be_visible(timeout=SOON_MS)
+    kept = page.evaluate("import('/static/phone/kept.js').then(({ all }) => all('pockets'))")
+    assert {key: json.loads(kept[0]["text"])[key] for key in ("tags", "ways", "map")} == {
+        key: whole[key] for key in ("tags", "ways", "map")
+    }
+
+
 def test_a_victim_is_counted_and_asked_about_step_by_step(field: Field, page: Page) -> None:
     tag = field.links[0][0]
     page.goto(f"{field.home}/t/{tag}")

@@ -137,7 +137,7 @@ def case_of(seed: int, language: Language) -> tuple[dict[str, Any], dict[str, An
         "x_axis_deg": routes.north.x_axis_deg,
     }
     head["base"] = base_out(routes, routes.roads(grid), grid)
-    pocket = json.loads(pack_of(head, kinds, routes.roads(grid), None, grid, routes.place_kind).plain)
+    pocket = json.loads(pack_of(head, kinds, routes.roads(grid), None, grid, routes.place_kind).plain())
     names = [value["tag_id"] for value in kinds["tag"]]
     goals = [f"tag:{name}" for name in names] + [f"victim:{v['victim_id']}" for v in kinds["victim"]]
     goals += [f"note:{note['annotation_id']}" for note in kinds["annotation"]]

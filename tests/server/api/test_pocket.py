@@ -11,8 +11,8 @@ from PIL import Image
 from server.schemas.pocket import PocketOut
 
 
-def pocket_of(line, **headers):
-    return line.control.call("GET", f"/missions/{line.mission_id}/pocket", headers=headers)
+def pocket_of(line, have="", **headers):
+    return line.control.call("GET", f"/missions/{line.mission_id}/pocket?have={have}", headers=headers)
 
 
 def test_a_phone_carries_what_the_interface_tells(driven):
@@ -56,7 +56,26 @@ def test_it_is_sent_again_only_when_it_has_changed(driven):
     changed = pocket_of(driven, **{"If-None-Match": etag})
     assert changed.status_code == 200
     assert [note["text"] for note in changed.json()["notes"]] == ["gas"]
+    _what_is_there_is_left_out(driven, first.json(), changed)
     driven.call("DELETE", path)
+
+
+def _what_is_there_is_left_out(driven, before, changed):
+    parts, whole = before["parts"], changed.json()
+    assert whole["parts"] == parts  # a note moves neither tags nor plan
+    large = ("tags", "ways", "map")
+    for have, missing in (
+        (f"{parts['plan']},{parts['ground']}", large),
+        (f"older,{parts['plan']}", ("map",)),
+        (parts["ground"], ("tags", "ways")),
+        ("older", ()),
+    ):
+        for coding in ("gzip", "identity"):
+            told = pocket_of(driven, have, **{"Accept-Encoding": coding})
+            assert told.headers["etag"] == changed.headers["etag"]
+            assert told.json() == {key: value for key, value in whole.items() if key not in missing}
+            # what is left out is what a phone has
+            assert {key: before[key] for key in missing} | told.json() == whole
 
 
 def test_an_empty_mission_has_one_too(control):

@@ -9,7 +9,8 @@ export const HOLD_MS = 600;
  * technology, which cannot hold, and fires at once.
  */
 export class HoldButton extends Component {
-  /** @param {{label: any, name: string, kind?: string, disabled?: boolean, onFire: () => void}} props */
+  /** @param {{label: any, name: string, kind?: string, how?: string, longer?: string, disabled?: boolean, onFire: () => void}} props
+   *  `how` to press it, and what is said when that was too short */
   constructor(props) {
     super(props);
     this.props = props;
@@ -66,16 +67,16 @@ export class HoldButton extends Component {
   }
 
   render() {
-    const { label, name, kind = "", disabled } = this.props;
+    const { label, name, kind = "", how = "Press and hold", longer = "Press longer", disabled } = this.props;
     const { holding, hint } = this.state;
     const end = (/** @type {Event} */ event) => this.end(event);
     return html`<button type="button" class=${`hold ${kind}`} data-holding=${holding ? "" : null} disabled=${disabled}
-      aria-label=${name} title="Press and hold" onPointerDown=${(/** @type {PointerEvent} */ event) => {
+      aria-label=${name} title=${how} onPointerDown=${(/** @type {PointerEvent} */ event) => {
         if (event.button === 0) this.begin(event);
       }} onPointerUp=${end} onPointerLeave=${end} onPointerCancel=${end}
       onKeyDown=${(/** @type {KeyboardEvent} */ event) => this.key(event)}
       onKeyUp=${(/** @type {KeyboardEvent} */ event) => this.key(event)} onBlur=${end}
       onContextMenu=${(/** @type {Event} */ event) => event.preventDefault()} onClick=${() => this.click()}>
-      <span>${hint ? "Press longer" : label}</span></button>`;
+      <span>${hint ? longer : label}</span></button>`;
   }
 }

@@ -3,6 +3,7 @@
  * writer's phone made: whoever comes into reach first delivers them, and each counts once.
  */
 
+import { NOTE_KINDS } from "../console/note_kinds.js";
 import { crc16 } from "./bytes.js";
 
 /** @import {Report} from "./outbox.js" */
@@ -11,11 +12,19 @@ const NAME = "WAYMARK1";
 const CHUNK = 280; // characters: a code that a phone reads off another's screen at once
 const MOST_BYTES = 200_000;
 const MOST_REPORTS = 500;
-const KINDS = ["note", "victim", "mayday", "heard", "at"];
+/** What a report of each kind may say. @type {Record<string, string[]>} */
+const SAYS = {
+  note: ["note", "text", "tag_id"],
+  victim: ["tag_id", "text", "live", "dead", "start"],
+  mayday: ["text", "tag_id"],
+  heard: ["since_unix_s"],
+  at: ["tag_id", "from_tag", "after_s", "steps_m"],
+};
+const LONGEST_NAME = 60;
 
 /** Texts to show as codes, one after the other and again from the first. @param {Report[]} reports @returns {Promise<string[]>} */
 export async function framesOf(reports) {
-  const said = reports.filter(({ kind }) => KINDS.includes(kind)).slice(0, MOST_REPORTS).map(({ id, mission_id, kind, body, made_by, phone_unix_s, offset_s }) =>
+  const said = reports.filter(({ kind }) => kind in SAYS).slice(0, MOST_REPORTS).map(({ id, mission_id, kind, body, made_by, phone_unix_s, offset_s }) =>
     ({ id, mission_id, kind, body, made_by, phone_unix_s, offset_s }));
   const bytes = await through(new CompressionStream("deflate-raw"), JSON.stringify({ now_s: Date.now() / 1000, reports: said }));
   const whole = btoa(bytes.reduce((text, byte) => text + String.fromCharCode(byte), ""));
@@ -55,7 +64,7 @@ export class Collector {
     const behind_s = Date.now() / 1000 - Number(said.now_s);
     if (!Array.isArray(said.reports) || !Number.isFinite(behind_s)) throw new Error("these are no reports");
     return said.reports.slice(0, MOST_REPORTS).filter(isReport).map((/** @type {Report} */ report) => ({
-      id: report.id, n: 0, mission_id: report.mission_id, kind: report.kind, body: report.body, made_by: report.made_by,
+      id: report.id, n: 0, mission_id: report.mission_id, kind: report.kind, body: report.body, made_by: report.made_by, is_carried: true,
       phone_unix_s: report.phone_unix_s + (report.offset_s === null ? behind_s : 0), offset_s: report.offset_s, tries: 0, due_ms: 0,
       refused: "", is_kept: true,
     }));
@@ -64,9 +73,12 @@ export class Collector {
 
 /** @param {any} report */
 function isReport(report) {
-  return /^[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}$/.test(report?.id) && KINDS.includes(report.kind) && typeof report.mission_id === "string"
-    && typeof report.made_by === "string" && Number.isFinite(report.phone_unix_s) && (report.offset_s === null || Number.isFinite(report.offset_s))
-    && report.body !== null && typeof report.body === "object";
+  const { id, kind, mission_id, made_by, phone_unix_s, offset_s, body } = report ?? {};
+  return /^[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}$/.test(id) && Object.hasOwn(SAYS, kind) && typeof mission_id === "string"
+    && typeof made_by === "string" && made_by.length <= LONGEST_NAME && Number.isFinite(phone_unix_s)
+    && (offset_s === null || Number.isFinite(offset_s)) && body !== null && typeof body === "object"
+    && Object.keys(body).every((name) => SAYS[kind].includes(name)) && (kind !== "note" || Object.hasOwn(NOTE_KINDS, body.note))
+    && ["text", "tag_id"].every((name) => typeof (body[name] ?? "") === "string");
 }
 
 /** @param {CompressionStream | DecompressionStream} stream @param {string | Uint8Array<ArrayBuffer>} data @param {number} [most] bytes: what swells beyond is no report */

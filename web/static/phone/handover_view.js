@@ -5,6 +5,7 @@ import { correction, generate } from "/vendor/lean-qr/index.mjs";
 import { Component, html } from "../console/vendor.js";
 import { Collector, framesOf } from "./handover.js";
 import { adopt, waiting } from "./outbox.js";
+import { textOf } from "./report_words.js";
 import { changed } from "./state.js";
 import { say } from "./texts.js";
 
@@ -46,6 +47,27 @@ function Code({ text }) {
     <path transform=${`translate(${QUIET} ${QUIET})`} d=${path} fill="#000" /></svg>`;
 }
 
+/** What speaks of people, not of places, and calls others: whoever made the code may have made it up. */
+const ASKED_FOR = ["mayday", "heard", "at"];
+/** @type {import("./outbox.js").Report[]} */
+let offered = [];
+
+/** What another phone hands over that has to be looked at first. */
+export function Offered() {
+  if (!offered.length) return null;
+  /** @param {boolean} isTaken */
+  const answer = async (isTaken) => {
+    const reports = offered;
+    offered = [];
+    if (isTaken) await adopt(reports);
+    changed({ said: isTaken ? say("handover_done", { n: reports.length }) : "" });
+  };
+  return html`<section role="alert"><p>${say("handover_ask")}</p>
+    <ul>${offered.map((report) => html`<li key=${report.id} class="waiting">${textOf(report)}</li>`)}</ul>
+    <div class="row"><button type="button" onClick=${() => answer(true)}>${say("handover_take")}</button>
+    <button type="button" onClick=${() => answer(false)}>${say("handover_leave")}</button></div></section>`;
+}
+
 let collector = new Collector();
 
 /** @param {string} text of a code the camera sees @returns {boolean} whether it is one of another phone's reports */
@@ -61,8 +83,10 @@ async function finish(whole) {
   collector = new Collector();
   try {
     const reports = await whole.reports();
-    await adopt(reports);
-    changed({ scanning: false, said: say("handover_done", { n: reports.filter(({ kind }) => kind !== "at").length }) });
+    const plain = reports.filter(({ kind }) => !ASKED_FOR.includes(kind));
+    await adopt(plain);
+    offered = reports.filter(({ kind }) => ASKED_FOR.includes(kind));
+    changed({ scanning: false, said: plain.length ? say("handover_done", { n: plain.length }) : "" });
   } catch {
     changed({ scanning: false, said: "", trouble: say("handover_damaged") });
   }

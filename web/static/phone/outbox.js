@@ -1,18 +1,18 @@
-/** Reports that wait for the server: kept until it has said that it has them, sent the most important first. */
+/** Reports that wait for the server: kept until it has said that it has them, sent the most important first, MAYDAY by itself. */
 
 import { newId } from "../console/note_kinds.js";
 import { all, drop, put } from "./kept.js";
 import { ask, missionPath, onReach, reach, reasonOf } from "./reach.js";
 
-/** `n`: in which order they were made; `refused`: the server's words where it will not have it.
- * @typedef {{id: string, n: number, mission_id: string, kind: string, body: Record<string, any>, made_by: string, phone_unix_s: number,
- *   offset_s: number | null, tries: number, due_ms: number, refused: string, is_kept: boolean}} Report */
+/** `n`: in which order they were made; `is_carried`: taken over from another phone; `refused`: why the server will not have it,
+ * `is_for_now` until somebody else logs in.
+ * @typedef {{id: string, n: number, mission_id: string, kind: string, body: Record<string, any>, made_by: string,
+ *   is_carried?: boolean, phone_unix_s: number, offset_s: number | null, tries: number, due_ms: number, refused: string, is_for_now?: boolean, is_kept: boolean}} Report */
 
 const FIRST_MS = 1000;
-const LONGEST_MS = 60_000;
 const LOOK_EVERY_MS = 60_000;
 const PHOTO_MS = 120_000; // of 300 kB over a bad link
-const REFUSALS = [404, 409, 413, 415, 422];
+const REFUSALS = [403, 404, 409, 413, 415, 422];
 /** @type {Record<string, number>} */
 const URGENCY = { mayday: 0, heard: 1, victim: 2, hazard: 3, note: 4, searched: 4, exit: 4, photo: 5, at: 6 };
 
@@ -20,8 +20,12 @@ const URGENCY = { mayday: 0, heard: 1, victim: 2, hazard: 3, note: 4, searched: 
 const reports = new Map();
 /** @type {(() => void)[]} */
 const watchers = [];
-let sending = false;
-let timer = 0;
+/** A sender each, so that no photo and no storage that is slow stands before a call for help. */
+const LANES = [
+  { isForHelp: true, isSending: false, timer: 0, longest_ms: 4000 },
+  { isForHelp: false, isSending: false, timer: 0, longest_ms: 60_000 },
+];
+/** @typedef {typeof LANES[0]} Lane */
 
 /** @param {() => void} watch called when a report was added, sent or refused */
 export function onOutbox(watch) {
@@ -70,7 +74,9 @@ export async function add(kind, missionId, body, made_s = Date.now() / 1000) {
     }
   }
   reports.set(report.id, report);
-  await keep(report);
+  const kept = keep(report);
+  if (kind === "mayday") flush();
+  await kept;
   changed();
   flush();
   return report;
@@ -106,54 +112,65 @@ export async function forget(id) {
 export async function sendNow(isAgain = false) {
   for (const report of await all("outbox").catch(() => [])) if (!reports.has(report.id)) reports.set(report.id, report);
   changed();
-  for (const report of reports.values()) Object.assign(report, { due_ms: 0, refused: isAgain ? "" : report.refused });
+  for (const report of reports.values()) Object.assign(report, { due_ms: 0, refused: isAgain || report.is_for_now ? "" : report.refused });
   return flush();
 }
 
-async function flush() {
-  if (sending) return;
-  sending = true;
-  clearTimeout(timer);
+const flush = () => Promise.all(LANES.map(flushLane));
+
+/** @param {Lane} lane */
+async function flushLane(lane) {
+  if (lane.isSending) return;
+  lane.isSending = true;
+  clearTimeout(lane.timer);
   try {
-    for (let report = due(); report; report = due()) if (!(await send(report))) break;
+    for (let report = due(lane); report; report = due(lane)) if (!(await send(report, lane.longest_ms))) break;
   } finally {
-    sending = false;
+    lane.isSending = false;
   }
-  for (const report of reports.values()) if (!report.is_kept) await keep(report);
+  for (const report of of(lane)) if (!report.is_kept) await keep(report);
   changed();
-  const next = Math.min(...waiting().filter(({ refused }) => !refused).map(({ due_ms }) => due_ms));
-  if (next < Infinity) timer = setTimeout(flush, Math.max(50, next - Date.now()));
+  const next = Math.min(...of(lane).filter(({ refused }) => !refused).map(({ due_ms }) => due_ms));
+  if (next < Infinity) lane.timer = setTimeout(() => flushLane(lane), Math.max(50, next - Date.now()));
 }
 
-const due = () => waiting().find(({ refused, due_ms }) => !refused && due_ms <= Date.now());
+/** @param {Lane} lane */
+const of = ({ isForHelp }) => waiting().filter(({ kind }) => (kind === "mayday") === isForHelp);
+
+/** @param {Lane} lane */
+const due = (lane) => of(lane).find(({ refused, due_ms }) => !refused && due_ms <= Date.now());
 
 /** @param {Report} report */
 function request(report) {
-  const { id, kind, body, made_by, phone_unix_s, offset_s } = report;
+  const { id, kind, body, made_by, is_carried = false, phone_unix_s, offset_s } = report;
   const path = missionPath(report.mission_id);
   if (kind === "photo") {
     const { picture, tag_id, text } = body;
     const query = new URLSearchParams({ photo_id: id, tag_id, text, taken_unix_s: String(phone_unix_s + (offset_s ?? 0)) });
     return ask("POST", `${path}/photos?${query}`, { headers: { "Content-Type": picture.type }, body: picture }, PHOTO_MS);
   }
-  const words = { kind, made_by, phone_unix_s, offset_s, sent_phone_unix_s: Date.now() / 1000, ...body };
+  const words = { ...body, kind, made_by, is_carried, phone_unix_s, offset_s, sent_phone_unix_s: Date.now() / 1000 };
   return ask("PUT", `${path}/reports/${id}`, { headers: { "Content-Type": "application/json" }, body: JSON.stringify(words) });
 }
 
-/** @param {Report} report @returns {Promise<boolean>} whether it makes sense to go on with the next */
-async function send(report) {
+/** @param {Report} report @param {number} longest_ms between two tries @returns {Promise<boolean>} whether it makes sense to go on with the next */
+async function send(report, longest_ms) {
   const response = await request(report);
+  const isHelp = report.kind === "mayday"; // what is written meanwhile is not waited for
   if (response?.ok) {
-    await forget(report.id);
+    const gone = forget(report.id);
     changed();
+    if (!isHelp) await gone;
     return true;
   }
   if (response && REFUSALS.includes(response.status)) {
     report.refused = await reasonOf(response);
-    await keep(report);
+    report.is_for_now = response.status === 403;
+    const kept = keep(report);
+    if (!isHelp) await kept;
     return true;
   }
   report.tries += 1;
-  report.due_ms = Date.now() + Math.min(LONGEST_MS, FIRST_MS * 2 ** Math.min(report.tries - 1, 10)) * (0.5 + Math.random());
-  return response !== null && response.status === 403; // another may be allowed
+  report.due_ms = Date.now() + Math.min(longest_ms, FIRST_MS * 2 ** Math.min(report.tries - 1, 10)) * (0.5 + Math.random());
+  return false;
 }

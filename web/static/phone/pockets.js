@@ -4,15 +4,18 @@ import { drop, firstPockets, put } from "./kept.js";
 import { ask, missionPath, now_s, read } from "./reach.js";
 
 /** @import {Pocket} from "./types.js" */
-/** `as_of_s`: when the server said that this is the latest, by its own clock. @typedef {{mission_id: string, mission_name: string, state: string,
- *   created_unix_s: number, etag: string, text: string, as_of_s: number, tag_ids: string[]}} Kept */
+/** `as_of_s`: when the server said that this is the latest, by its own clock; `parts`: names of the large ones by their content.
+ * @typedef {{mission_id: string, mission_name: string, state: string, created_unix_s: number, etag: string, parts?: Record<string, string>, text: string, as_of_s: number, tag_ids: string[]}} Kept */
 
 const MOST = 4; // missions on a phone
+const OVER = ["closed", "archived"];
 
 /** @type {Map<string, Kept>} */
 const kept = new Map();
 /** @type {{text: string, pocket: Pocket} | null} */
 let parsed = null;
+/** @type {string[] | null} */
+let goingOn = null;
 export const pockets = { isFull: false };
 
 /** What the phone has. A storage that cannot be read is an empty one. */
@@ -22,8 +25,12 @@ export const opened = firstPockets().catch(() => []).then((items) => {
 
 /** Missions that may be meant, first the one that is most likely: running, then the latest. */
 export function missions() {
-  return [...kept.values()].sort((a, b) => Number(b.state === "running") - Number(a.state === "running") || b.created_unix_s - a.created_unix_s);
+  return [...kept.values()].sort(byLikelihood);
 }
+
+/** @typedef {{state: string, created_unix_s: number}} Standing */
+/** @param {Standing} a @param {Standing} b */
+const byLikelihood = (a, b) => Number(b.state === "running") - Number(a.state === "running") || b.created_unix_s - a.created_unix_s;
 
 /** @param {string} tagId @param {string | null} missionId only this one, if told @returns {Kept | null} */
 export function missionOf(tagId, missionId) {
@@ -44,19 +51,21 @@ export async function refresh(missionId) {
   await opened;
   const known = kept.get(missionId);
   const headers = known ? { "If-None-Match": known.etag } : undefined;
-  const response = await ask("GET", `${missionPath(missionId)}/pocket`, { headers });
+  const have = Object.values(known?.parts ?? {}).join(); // what has not changed is not sent again
+  const response = await ask("GET", `${missionPath(missionId)}/pocket?have=${have}`, { headers });
   if (response?.status === 304 && known) {
     await keep({ ...known, as_of_s: now_s() });
     return "same";
   }
   if (!response?.ok) return "failed";
   try {
-    const text = await response.text();
+    const told = await response.json();
     /** @type {Pocket} */
-    const pocket = JSON.parse(text);
+    const pocket = { ...(known && open(known)), ...told };
+    const text = JSON.stringify(pocket);
     parsed = { text, pocket };
-    const { mission_id, mission_name, state, created_unix_s, tags } = pocket;
-    await keep({ mission_id, mission_name, state, created_unix_s, etag: response.headers.get("ETag") ?? "", text, as_of_s: now_s(),
+    const { mission_id, mission_name, state, created_unix_s, parts, tags } = pocket;
+    await keep({ mission_id, mission_name, state, created_unix_s, etag: response.headers.get("ETag") ?? "", parts, text, as_of_s: now_s(),
       tag_ids: tags.map(({ tag_id }) => tag_id) });
     return "new";
   } catch {
@@ -64,15 +73,22 @@ export async function refresh(missionId) {
   }
 }
 
-/** Get all missions that run, so that any of their tags is known here later. */
+/** Get all missions that are not over, those that run first, so that any of their tags is known here later. */
 export async function refreshAll() {
   const found = await read("/missions");
   if (!found) return;
   /** @type {{mission_id: string, state: string, created_unix_s: number}[]} */
-  const running = found.missions.filter((/** @type {{state: string}} */ { state }) => state === "running");
-  running.sort((a, b) => b.created_unix_s - a.created_unix_s);
-  for (const { mission_id } of running.slice(0, MOST)) await refresh(mission_id);
+  const going = found.missions.filter((/** @type {{state: string}} */ { state }) => !OVER.includes(state));
+  going.sort(byLikelihood);
+  goingOn = going.map(({ mission_id }) => mission_id);
+  for (const { mission_id } of going.slice(0, MOST)) await refresh(mission_id);
 }
+
+/** Whether a mission is over, as far as this phone knows. @param {string} missionId */
+export const isOver = (missionId) => OVER.includes(kept.get(missionId)?.state ?? "");
+
+/** All missions that are not over, as far as this phone knows: by the server's list, before any of them is here. */
+export const going = () => goingOn ?? missions().map(({ mission_id }) => mission_id).filter((id) => !isOver(id));
 
 /** @param {Kept} item */
 async function keep(item) {

@@ -2,12 +2,16 @@
 
 /** @typedef {{name: string, role: string}} Me */
 
-const TIMEOUT_MS = 8000;
+const TIMEOUT_MS = 8000; // without a byte: a slow network may take its time
 const OFFSET = "waymark.offset";
 const ME = "waymark.me";
 
-/** @param {string} name @returns {any} */
-function remembered(name) {
+/** What found no room in the storage: it is known until the page is closed. @type {Map<string, any>} */
+const unkept = new Map();
+
+/** @param {string} name @returns {any} what was remembered last, null if nothing */
+export function remembered(name) {
+  if (unkept.has(name)) return unkept.get(name);
   try {
     return JSON.parse(localStorage.getItem(name) ?? "null");
   } catch {
@@ -15,12 +19,13 @@ function remembered(name) {
   }
 }
 
-/** @param {string} name @param {unknown} value */
+/** @param {string} name @param {unknown} value as JSON has it; null for nothing any more */
 export function remember(name, value) {
   try {
     localStorage.setItem(name, JSON.stringify(value));
+    unkept.delete(name);
   } catch {
-    // the storage is full: it is known until the page is closed
+    unkept.set(name, value);
   }
 }
 
@@ -59,14 +64,58 @@ export const now_s = () => Date.now() / 1000 + (reach.offset_s ?? 0);
  */
 export async function ask(method, path, more = {}, timeout_ms = TIMEOUT_MS) {
   const sent_ms = Date.now();
+  const silence = new Silence(timeout_ms);
   try {
-    const response = await fetch(`/api/v1${path}`, { method, ...more, signal: AbortSignal.timeout(timeout_ms) });
+    const response = silence.watch(await fetch(`/api/v1${path}`, { method, ...more, signal: silence.signal }));
     learnTime(response.headers.get("Date"), sent_ms);
     note({ inReach: response.status < 502, isLoggedOut: response.status === 401 || (reach.isLoggedOut && response.status === 403) });
     return response.status < 502 ? response : null;
   } catch {
+    silence.stop();
     note({ inReach: false });
     return null;
+  }
+}
+
+/** Gives up a request once nothing has come for a time, however long the whole takes. */
+class Silence {
+  /** @param {number} longest_ms */
+  constructor(longest_ms) {
+    this.over = new AbortController();
+    this.longest_ms = longest_ms;
+    this.timer = 0;
+    this.wait();
+  }
+
+  get signal() {
+    return this.over.signal;
+  }
+
+  wait() {
+    clearTimeout(this.timer);
+    this.timer = setTimeout(() => this.over.abort(), this.longest_ms);
+  }
+
+  stop() {
+    clearTimeout(this.timer);
+  }
+
+  /** @param {Response} response @returns {Response} the same, whose every byte is waited for anew */
+  watch(response) {
+    const { body, status, statusText, headers } = response;
+    if (!body) {
+      this.stop();
+      return response;
+    }
+    this.wait();
+    const watched = body.pipeThrough(new TransformStream({
+      transform: (bytes, onwards) => {
+        this.wait();
+        onwards.enqueue(bytes);
+      },
+      flush: () => this.stop(),
+    }));
+    return new Response(watched, { status, statusText, headers });
   }
 }
 

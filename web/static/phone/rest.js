@@ -1,7 +1,7 @@
 /** The rest of the phone's page, loaded once the answer stands: plan, memory, leaving word, other tags, orders, and what keeps it fresh. */
 
 import { html } from "../console/vendor.js";
-import { Alarm, lookForOrders, Mayday } from "./alarm.js";
+import { Alarm, listenForOrders, Mayday } from "./alarm.js";
 import { countSteps, placeNow } from "./between.js";
 import { askForSensors, needsAsking, watchCompass } from "./compass.js";
 import { Doubt, Entry } from "./entry.js";
@@ -11,11 +11,12 @@ import { openOutbox } from "./outbox.js";
 import { PlanView } from "./plan.js";
 import { askWho, onReach } from "./reach.js";
 import { Word } from "./report.js";
-import { keepHere } from "./shell.js";
+import { keepHere, WithoutHttps } from "./shell.js";
 import { Standing } from "./standing.js";
-import { changed, state } from "./state.js";
+import { changed, onChange, state } from "./state.js";
 import { language, LANGUAGES, say, speak } from "./texts.js";
-import { answer, keepFresh } from "./touch.js";
+import { answer, keepFresh, target } from "./touch.js";
+import { stayAwake } from "./wake.js";
 import { WayOut } from "./way_out.js";
 import { metres } from "./words.js";
 
@@ -25,7 +26,8 @@ const AGES_MS = 10_000;
 
 /** Where no tag was read. */
 export function WhichTag() {
-  return html`<${Entry} /><${Nodes} />${state.fix && html`<${PlanView} />`}<${Languages} />`;
+  return html`<${Entry} /><${Nodes} />${state.fix && html`<${PlanView} />`}<p class="soft">${say("evacuate_how")}</p>
+    <${WithoutHttps} /><${Languages} />`;
 }
 
 /** Below the answer. @param {{mission: string}} props its name */
@@ -34,7 +36,7 @@ export function AtTag({ mission }) {
     <${MemoryView} />
     <${Word} />
     <h2>${say("at_another_tag")}</h2><${Entry} />
-    <p class="soft">${mission}</p><${Languages} />`;
+    <p class="soft">${mission}</p><p class="soft">${say("evacuate_how")}</p><${WithoutHttps} /><${Languages} />`;
 }
 
 /** How far the phone has come from the tag by its own steps. */
@@ -61,7 +63,8 @@ export function start() {
   askWho();
   openOutbox();
   keepFresh();
-  lookForOrders();
+  listenForOrders();
+  onChange(() => stayAwake(target() !== null && state.route !== null));
   setInterval(changed, AGES_MS); // ages go on
   keepHere();
 }

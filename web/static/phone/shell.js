@@ -1,5 +1,8 @@
 /** Keeping this page on the phone, where the browser does that: a service worker needs HTTPS, or this very machine. */
 
+import { html } from "../console/vendor.js";
+import { say } from "./texts.js";
+
 const SCOPES = ["/t", "/phone"];
 
 /** Called when the page is loaded whole, so that a new version cannot mix with this one. */
@@ -16,3 +19,6 @@ export async function keepHere() {
     });
   }
 }
+
+/** What this page cannot do where it came without HTTPS, and who can change that. */
+export const WithoutHttps = () => !isSecureContext && html`<p class="soft">${say("no_https")}</p>`;

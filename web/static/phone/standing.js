@@ -1,15 +1,15 @@
 /** How things stand with this phone: how old its data are, whether the server is in reach, what waits to be sent. */
 
 import { html } from "../console/vendor.js";
-import { HandOver } from "./handover_view.js";
+import { HandOver, Offered } from "./handover_view.js";
 import { forget, isFull, sendNow, waiting } from "./outbox.js";
 import { pockets } from "./pockets.js";
 import { now_s, reach } from "./reach.js";
+import { textOf, timeOf } from "./report_words.js";
 import { changed, state } from "./state.js";
-import { language, say } from "./texts.js";
+import { say } from "./texts.js";
 
 /** @import {Report} from "./outbox.js" */
-/** @typedef {import("./texts.js").Key} Key */
 
 /** How long ago, in words. @param {number} seconds */
 export function ago(seconds) {
@@ -19,9 +19,6 @@ export function ago(seconds) {
   return seconds < 172_800 ? say("age_hours", { n: Math.round(seconds / 3600) }) : say("age_days", { n: Math.round(seconds / 86_400) });
 }
 
-/** @param {number} unix_s */
-const timeOf = (unix_s) => new Date(unix_s * 1000).toLocaleTimeString(language(), { hour: "2-digit", minute: "2-digit", hourCycle: "h23" });
-
 let isOpen = false;
 let isHandingOver = false;
 
@@ -29,7 +26,7 @@ export function Standing() {
   const { as_of_s } = state;
   const reports = waiting().filter(({ kind }) => kind !== "at");
   const refused = reports.filter((report) => report.refused).length;
-  return html`${as_of_s !== null && html`<p class="age">${say("data_of", { time: timeOf(as_of_s), age: ago(now_s() - as_of_s) })}</p>`}
+  return html`<${Offered} />${as_of_s !== null && html`<p class="age">${say("data_of", { time: timeOf(as_of_s), age: ago(now_s() - as_of_s) })}</p>`}
     ${reach.inReach === false && html`<p class="warned">${say("no_signal")}</p>`}
     ${reach.isLoggedOut && html`<p class="warned">${say("logged_out", { n: reports.length, count: reports.length })}
       <a class="button" href=${`/login?next=${encodeURIComponent(location.pathname + location.search)}`}>${say("log_in")}</a></p>`}
@@ -44,18 +41,10 @@ export function Standing() {
         ${say("handover")}</button>`)}`;
 }
 
-/** What a report says, also for copying it by hand. @param {Report} report */
-export function textOf({ kind, body, made_by, phone_unix_s, offset_s }) {
-  const what = say(/** @type {Key} */ (kind === "note" ? `kind_${body.note}` : `kind_${kind}`));
-  const counts = kind === "victim" ? `${say("live")} ${body.live}, ${say("dead")} ${body.dead}` : "";
-  const time = timeOf(phone_unix_s + (offset_s ?? 0));
-  return [`${what}${body.tag_id ? ` @ ${body.tag_id}` : ""}`, counts, body.text, `${made_by} ${time}`].filter(Boolean).join(" · ");
-}
-
 /** @param {Report} report */
 function Waiting(report) {
   return html`<li key=${report.id} class="waiting"><p>${textOf(report)}</p>
     ${report.refused && html`<p class="trouble">${report.refused}</p>
       <div class="row"><button type="button" onClick=${() => sendNow(true)}>${say("try_again")}</button>
-      <button type="button" onClick=${async () => { await forget(report.id); changed(); }}>${say("throw_away")}</button></div>`}</li>`;
+      <button type="button" onClick=${async () => { await forget(report.id); changed(report.kind === "mayday" ? { called: null } : {}); }}>${say("throw_away")}</button></div>`}</li>`;
 }

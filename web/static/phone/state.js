@@ -1,7 +1,7 @@
 /** What the phone shows, in one place, and who draws it again when it changes. */
 
 /** @import {Roads} from "./roads.js" */
-/** @import {Evacuation, Pocket, Route, Where} from "./types.js" */
+/** @import {Pocket, Route, Where} from "./types.js" */
 
 export const state = {
   /** The tag that was read last. */ tagId: "",
@@ -15,10 +15,10 @@ export const state = {
   /** @type {"" | "word" | "victim"} */ form: "",
   said: "",
   /** Compass heading of the phone, degrees from north; null where it tells none. @type {number | null} */ heading: null,
-  /** @type {Evacuation | null} */ evacuation: null,
   /** What was read of the tag's memory. @type {(import("./memory.js").Said & {tagId: string, isFromChip: boolean}) | null} */ memory: null,
   /** Where the phone is by the nodes it hears. @type {(import("./locating.js").Located & {text: string}) | null} */ fix: null,
-  called: false,
+  /** The last MAYDAY called here that the server has: the mission, when by its clock, who has taken note. @type {{mission: string, at_s: number, noted_by: string} | null} */
+  called: null,
   scanning: false,
   /** Why the tag that was read cannot be where the map has it. @type {import("./pace.js").TooFar | null} */ odd: null,
   /** What was left last, as it stands in a chip. @type {{tagId: string, text: string} | null} */ word: null,

@@ -1,10 +1,11 @@
 /** A tag was read: answer from what the phone carries, at once; then ask for the newest. */
 
 import { begin, walkedFrom } from "./between.js";
+import { takeOrder } from "./evacuate.js";
 import { add, onOutbox, waiting } from "./outbox.js";
 import { cameFrom, judged } from "./pace.js";
 import { keptOf, missionOf, missions, open, opened, refresh, refreshAll } from "./pockets.js";
-import { reach, read, remember } from "./reach.js";
+import { reach, read, remember, remembered } from "./reach.js";
 import { Roads } from "./roads.js";
 import { changed, missionId, state } from "./state.js";
 import { language, say } from "./texts.js";
@@ -14,17 +15,12 @@ import { routeTo, whereIs } from "./where.js";
 
 const FRESH_MS = 15_000;
 const TARGET = "waymark.target"; // where this phone is being led
-const LAST = "waymark.last"; // the tag this phone was at last, since when, and whether that was reported
+const LAST = "waymark.last";
 const SEEN = "waymark.seen"; // the tags that this phone really read, and when
 
-/** @param {string} name @returns {any} */
-function remembered(name) {
-  try {
-    return JSON.parse(localStorage.getItem(name) ?? "null");
-  } catch {
-    return null;
-  }
-}
+/** The tag this phone was at last and the one before, since when by its clock, its mission ("" where not known), and whether that was reported.
+ * @returns {{tag: string, before: string, mission: string, since_s: number, isTold: boolean} | null} */
+export const lastTag = () => remembered(LAST);
 
 /** Where this phone is being led: kept over reloads, none when it is another mission's.
  * @returns {{mission: string, to: string, whole_m: number} | null} */
@@ -35,7 +31,7 @@ export function target() {
 
 /** @param {string | null} to `victim:ID`, `tag:ID`, `note:ID`, or nowhere any more */
 export function lead(to) {
-  if (to === null || !state.where) localStorage.removeItem(TARGET);
+  if (to === null || !state.where) remember(TARGET, null);
   else remember(TARGET, { mission: state.where.mission_id, to, whole_m: 0 });
   state.trouble = "";
   answer();
@@ -55,7 +51,7 @@ export function lead(to) {
  */
 export async function touch(tagId, mission = null, isBack = false, told = null, read_s = null) {
   if (read_s !== null && tagId === state.tagId && state.where) return touchedAgain(read_s);
-  const known = remembered(LAST);
+  const known = lastTag();
   const isShownAgain = isBack && read_s === null; // a page loaded again, restored or gone back to: nobody touched anything
   const since_s = isShownAgain && known?.tag === tagId ? known.since_s : read_s ?? Date.now() / 1000;
   const isNews = !isShownAgain || (known?.tag === tagId && known.isTold === false);
@@ -65,9 +61,11 @@ export async function touch(tagId, mission = null, isBack = false, told = null, 
   wanted = mission;
   Object.assign(state, { tagId, before, where: null, route: null, said: "", trouble: "", form: "", scanning: false, foreign: null, choices: [], odd: null });
   if (!tagId) return changed();
-  remember(LAST, { tag: tagId, before, since_s, isTold: !isNews });
+  const last = { tag: tagId, before, since_s, mission: known?.mission ?? "", isTold: !isNews };
+  remember(LAST, last);
   answer();
   if (!state.where && told) Object.assign(state, { where: told.where, as_of_s: told.as_of_s });
+  if (state.where) remember(LAST, { ...last, mission: missionId() });
   const came = read_s === null ? {} : judge(read_s);
   begin();
   changed();
@@ -75,6 +73,7 @@ export async function touch(tagId, mission = null, isBack = false, told = null, 
   else if (reach.inReach !== false) await renew();
   const mission_id = missionId();
   if (state.tagId !== tagId || !state.where) return;
+  if (lastTag()?.tag === tagId) remember(LAST, { ...lastTag(), mission: mission_id });
   if (isNews) add("at", mission_id, { tag_id: tagId, ...came }, since_s).then(() => remember(LAST, { ...remembered(LAST), isTold: true }));
   const { askMemory } = await import("./memory_view.js");
   askMemory(mission_id, tagId);
@@ -121,7 +120,7 @@ export function answer() {
     own = ownNotes(pocket);
     state.pocket = pocket;
     state.roads = new Roads(pocket, notesWith(pocket));
-    state.evacuation = pocket.evacuation?.ordered ? pocket.evacuation : null;
+    takeOrder(pocket.mission_id, pocket.evacuation);
   }
   if (!state.roads) return;
   state.where = whereIs(pocket, state.roads, state.tagId);

@@ -16,7 +16,7 @@
 /** @typedef {{ordered: boolean, by: string, since_unix_s: number, acknowledged: {name: string}[]}} Evacuation */
 /** @typedef {{mission_id: string, mission_name: string, state: string, created_unix_s: number, evacuation: Evacuation | null,
  *   radio: Radio, x_axis_deg: number | null, map: Plan | null, tags: PocketTag[], ways: PocketWay[], victims: PocketVictim[], notes: PocketNote[], base: Base | null,
- *   left_out: Record<string, number>}} Pocket */
+ *   left_out: Record<string, number>, parts: Record<string, string>}} Pocket */
 
 /** A piece of a route. @typedef {{from_tag: string, to_tag: string | null, distance_m: number, bearing_deg: number, text: string,
  *   uncertain: boolean, hazards: string[], points_m: [number, number][]}} Step */
