@@ -80,10 +80,7 @@ def _ranges(pose: Pose2, angles: np.ndarray) -> np.ndarray:
     return np.minimum(distance.min(axis=0), _RANGE_MAX_M)
 
 
-def _explore(
-    config: AgentConfig, seconds: float
-) -> tuple[tuple[Observation, ...], dict[str, tuple[float, float]]]:
-    """Return what a robot observed, and where the tags lie that are on the floor then."""
+def _explore(config: AgentConfig, seconds: float) -> tuple[Observation, ...]:
     rng = np.random.default_rng(3)
     agent = RobotAgent("r1", config)
     pose, command = Pose2(0.0, 0.0, 0.4), Command()
@@ -121,20 +118,17 @@ def _explore(
         if command.drop_tag:
             dropped = f"T{len(tags)}"
             tags[dropped], memories[dropped] = (pose.x, pose.y), b""
-    return tuple(log), tags
+    return tuple(log)
 
 
 @dataclass(frozen=True)
 class RobotLog:
     config: AgentConfig
     observations: tuple[Observation, ...]
-    tags_m: dict[str, tuple[float, float]]  # as they truly lie
-    victim_m: tuple[float, float]
-    walls_m: np.ndarray  # (n, 4): x0, y0, x1, y1
 
 
 @pytest.fixture(scope="session")
 def robot_log() -> RobotLog:
     """A minute of one robot exploring a corridor and four rooms, dropping tags, passing a victim."""
     config = AgentConfig(deployment=DeploymentConfig(spacing_m=2.0, rate_per_m=3.0))
-    return RobotLog(config, *_explore(config, 60.0), _VICTIM, _WALLS)
+    return RobotLog(config, _explore(config, 60.0))
