@@ -10,11 +10,27 @@ from typing import Any
 
 import httpx
 from PIL import Image
-from playwright.sync_api import BrowserContext, Page, expect
+from playwright.sync_api import Browser, BrowserContext, Page, expect
 
+from server.benchmarks.browser import OWN_MODULE
 from tests.web.field import Field, keep
 
 SOON_MS = 60_000
+SHOWN = f"""async () => {{
+  const {{ roads }} = (await {OWN_MODULE}("/static/phone/state.js")).state;
+  return roads && roads.notes.map(({{ annotation_id, kind }}) => [annotation_id, kind]);
+}}"""
+KEPT = """async () => {
+  const { keepSent, sentBeyond } = await import("/static/phone/sent.js");
+  const now = (await import("/static/phone/reach.js")).now_s();
+  const ids = (has, later_s, mission_id = "m") => {
+    const notes = has.map((annotation_id) => ({ annotation_id }));
+    return sentBeyond({ mission_id, notes }, now + later_s).map(({ id }) => id);
+  };
+  const tell = (id, kind = "note", mission_id = "m") => keepSent({ id, kind, mission_id, body: {} });
+  tell("a"); tell("b"); tell("b"); tell("c", "note", "other"); tell("d", "victim");
+  return [ids([], 0), ids([], 4), ids(["a"], 0), ids([], 0), ids([], 30), ids([], 0), ids([], 0, "other")];
+}"""
 
 
 def annotations(field: Field) -> list[dict[str, Any]]:
@@ -242,3 +258,40 @@ def test_a_photo_waits_for_signal_like_any_report(field: Field, context: Browser
         (photo,) = api.get("/photos").json()["photos"]
         assert (photo["tag_id"], photo["text"], photo["width"]) == (tag, "north wall", 1600)
         assert abs(photo["taken_unix_s"] - time.time()) < 120.0
+
+
+def wait_for_notes(page: Page, ids: list[list[str]]) -> None:
+    same = f"async (ids) => JSON.stringify(await ({SHOWN})()) === JSON.stringify(ids)"
+    page.wait_for_function(same, arg=ids)
+
+
+def test_what_was_sent_stays_until_the_mission_on_the_phone_has_it(field: Field, browser: Browser) -> None:
+    context = browser.new_context(service_workers="block", locale="en-GB")
+    page = context.new_page()
+    page.goto(f"{field.home}/t/{field.links[0][0]}")
+    expect(page.get_by_text("No exit is marked yet.")).to_be_visible(timeout=SOON_MS)
+    wait_for_notes(page, [])
+    context.route("**/pocket", lambda route: route.abort())
+    page.get_by_role("button", name="Leave word here").click()
+    page.get_by_role("button", name="Exit").click()
+    exit_ = [[wait_for_annotation(field, "")["annotation_id"], "exit"]]
+    expect(page.get_by_role("button", name="waits to be sent")).to_have_count(0, timeout=SOON_MS)
+    assert page.evaluate(SHOWN) == exit_
+    page.reload()
+    expect(page.get_by_role("button", name="The way out here")).to_be_visible(timeout=SOON_MS)
+    wait_for_notes(page, exit_)
+    with field.api as api:
+        while not api.get("/pocket").json()["notes"]:  # it is packed once a second at most
+            time.sleep(0.1)
+        context.unroute("**/pocket")
+        page.reload()
+        page.wait_for_function("() => localStorage.getItem('waymark.sent') === '[]'")
+        wait_for_notes(page, exit_)
+        api.delete(f"/annotations/{exit_[0][0]}").raise_for_status()
+    wait_for_notes(page, [])
+    context.close()
+
+
+def test_what_was_taken_off_before_the_phone_had_it_goes(field: Field, page: Page) -> None:
+    page.goto(f"{field.home}/static/logo.svg")
+    assert page.evaluate(KEPT) == [["a", "b"], ["a", "b"], ["b"], ["b"], [], [], ["c"]]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Iterator
 from pathlib import Path
@@ -20,6 +21,29 @@ from tests.web.conftest import CHROMIUM
 
 SOON_MS = 60_000
 PHONE = {"width": 390, "height": 844}
+JSQR = Path(__file__).parents[2] / "web/node_modules/jsqr/dist/jsQR.js"
+# The interface of https://wicg.github.io/shape-detection-api/ where the system has a reader. Linux has none:
+# one that the page does not know of stands in for it.
+DETECTOR = """
+  const read = ((module, exports) => { SOURCE; return module.exports; })({ exports: {} }, {});
+  globalThis.BarcodeDetector = class {
+    static getSupportedFormats = async () => FORMATS;
+    constructor({ formats }) {
+      if (!formats.length || formats.some((each) => !FORMATS.includes(each))) throw new TypeError("formats");
+    }
+    async detect(image) {
+      const { width, height } = image;
+      const found = read(image.getContext("2d").getImageData(0, 0, width, height).data, width, height);
+      globalThis.detected = (globalThis.detected ?? 0) + 1;
+      if (globalThis.detected === 1) throw new DOMException("not yet", "InvalidStateError");
+      if (!found) return [];
+      const { topLeftCorner: a, topRightCorner: b, bottomRightCorner: c } = found.location;
+      const cornerPoints = [a, b, c, found.location.bottomLeftCorner];
+      return [{ rawValue: found.data, format: "qr_code", cornerPoints,
+        boundingBox: DOMRectReadOnly.fromRect({ x: a.x, y: a.y, width: c.x - a.x, height: c.y - a.y }) }];
+    }
+  };
+"""
 
 
 def label(tag_id: str, site: str) -> Image.Image:
@@ -69,6 +93,26 @@ def test_the_camera_on_a_printed_label_opens_its_tag(drill: Any, before_camera: 
     refused = at_the_door(camera.new_context(viewport=PHONE), drill["host"])
     expect(refused.get_by_role("alert")).to_contain_text("The camera may not be used here.", timeout=SOON_MS)
     expect(refused.get_by_label("The number on the tag")).to_be_visible()
+
+
+@pytest.mark.parametrize("formats", [["aztec", "qr_code"], ["aztec"]])
+def test_a_browser_that_reads_codes_itself_loads_no_reader(
+    drill: Any, before_camera: Any, tmp_path: Path, formats: list[str]
+) -> None:
+    tag_id, host = drill["tags"][0], drill["host"]
+    camera = before_camera(tmp_path / "film.y4m", label(tag_id, f"http://{host}"))
+    context = camera.new_context(viewport=PHONE, permissions=["camera"], service_workers="block")
+    detector = DETECTOR.replace("FORMATS", json.dumps(formats)).replace("SOURCE", JSQR.read_text())
+    context.add_init_script(f"(() => {{ {detector} }})()")
+    loaded: list[str] = []
+    context.on("request", lambda request: loaded.append(request.url))
+    page = at_the_door(context, host)
+    expect(page.get_by_role("heading", name=f"Tag {tag_id}")).to_be_visible(timeout=SOON_MS)
+    does_itself = "qr_code" in formats
+    assert (f"http://{host}/vendor/jsqr/jsQR.js" in loaded) != does_itself
+    assert page.evaluate("() => [typeof jsQR, globalThis.detected > 1]") == (
+        ["undefined", True] if does_itself else ["function", False]
+    )
 
 
 def test_a_label_of_another_server_is_asked_about(drill: Any, before_camera: Any, tmp_path: Path) -> None:

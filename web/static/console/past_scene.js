@@ -78,7 +78,8 @@ export class PastScene {
       const frame = document.createElement("iframe");
       frame.title = "The mission's past in 3D";
       frame.src = `/viser/${encodeURIComponent(scene)}/?hideViserLogo${shownTheme() === "dark" ? "&darkMode" : ""}`;
-      this.cover?.replaceChildren(frame);
+      frame.addEventListener("load", () => frame.nextElementSibling?.remove());
+      this.cover?.prepend(frame);
     }
     setTimeout(() => {
       this.isWaiting = false;

@@ -70,7 +70,9 @@ export class Scene {
     const frame = document.createElement("iframe");
     frame.title = "The mission in 3D";
     frame.src = `${address}?hideViserLogo${shownTheme() === "dark" ? "&darkMode" : ""}`;
-    this.root.replaceChildren(frame);
+    const words = this.root.firstElementChild;
+    frame.addEventListener("load", () => words?.remove()); // they lie over it until then
+    this.root.prepend(frame);
   }
 
   /**

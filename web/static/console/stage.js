@@ -142,7 +142,8 @@ function PlanWords({ store }) {
     return html`<${Words} title="Loading the mission" isBusy=${true}>${reason || "Asking the server for its state."}<//>`;
   }
   if (store.robots.size === 0) {
-    return html`<${Words} title="Waiting for robots">
+    const isPrepared = store.map || store.board.baseMap || store.sectors.size > 0 || store.annotations.size > 0;
+    return isPrepared ? null : html`<${Words} title="Waiting for robots">
       The mission is open; no robot has been heard yet.<//>`;
   }
   if (!store.map && [...store.robots.values()].every((robot) => robot.heard_unix_s == null)) {

@@ -118,7 +118,8 @@ export function Veil({ store, onRetry }) {
   const wait_s = Math.max(0, Math.ceil((retryAt - Date.now()) / 1000));
   return html`<div class="veil-card">
     <strong>STALE since ${timeOfDay(heardAt / 1000)}</strong>
-    <span>${reason} What you see is the last known state; robots may have moved.</span>
+    <span>${reason} ${store.past.at_s === null ? "What you see is the last known state; robots may have moved."
+      : "You look at the past; what happens now is not known."}</span>
     <span class="veil-wait">${retryAt ? `Trying again in ${wait_s} s.` : "Trying to connect."}</span>
     <button type="button" onClick=${onRetry}>Try now</button></div>`;
 }

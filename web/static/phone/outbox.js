@@ -3,6 +3,7 @@
 import { newId } from "../console/note_kinds.js";
 import { all, drop, put } from "./kept.js";
 import { ask, missionPath, onReach, reach, reasonOf } from "./reach.js";
+import { keepSent } from "./sent.js";
 
 /** `n`: in which order they were made; `is_carried`: taken over from another phone; `refused`: why the server will not have it,
  * `is_for_now` until somebody else logs in.
@@ -158,6 +159,7 @@ async function send(report, longest_ms) {
   const response = await request(report);
   const isHelp = report.kind === "mayday"; // what is written meanwhile is not waited for
   if (response?.ok) {
+    keepSent(report);
     const gone = forget(report.id);
     changed();
     if (!isHelp) await gone;

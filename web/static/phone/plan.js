@@ -109,7 +109,7 @@ function drawPoints(context, pocket, at, scale) {
   for (const { victim_id, x_m, y_m, status } of pocket.victims) {
     if (status !== "dismissed") point(context, at(x_m, y_m), victim_id, "#ff5a5f", scale, names);
   }
-  for (const { kind, text, x_m, y_m } of pocket.notes) {
+  for (const { kind, text, x_m, y_m } of state.roads?.notes ?? pocket.notes) {
     if (x_m !== null && y_m !== null && kind === "hazard") point(context, at(x_m, y_m), `! ${text.slice(0, 20)}`, "#ffbe4d", scale, names);
   }
   const tags = [...pocket.tags].sort((a, b) => Number(b.tag_id === state.tagId) - Number(a.tag_id === state.tagId));

@@ -7,6 +7,7 @@ import { cameFrom, judged } from "./pace.js";
 import { keptOf, missionOf, missions, open, opened, refresh, refreshAll } from "./pockets.js";
 import { reach, read, remember, remembered } from "./reach.js";
 import { Roads } from "./roads.js";
+import { sentBeyond } from "./sent.js";
 import { changed, missionId, state } from "./state.js";
 import { language, say } from "./texts.js";
 import { routeTo, whereIs } from "./where.js";
@@ -132,15 +133,20 @@ export function answer() {
 
 let own = "";
 
-/** Names of the notes that the server does not have yet: with another set, roads are others. @param {Pocket} pocket */
-const ownNotes = (pocket) => waiting().filter(({ kind, mission_id }) => kind === "note" && mission_id === pocket.mission_id).map(({ id }) => id).join();
-
-/** Notes with those that the server does not have yet. @param {Pocket} pocket @returns {PocketNote[]} */
-export function notesWith(pocket) {
-  const places = new Map(pocket.tags.map(({ tag_id, x_m, y_m }) => [tag_id, { x_m, y_m }]));
+/** This phone's notes that its copy of the mission lacks, whether the server has them or not. @param {Pocket} pocket */
+function lacking(pocket) {
   const known = new Set(pocket.notes.map(({ annotation_id }) => annotation_id));
   const mine = waiting().filter(({ id, kind, mission_id }) => kind === "note" && mission_id === pocket.mission_id && !known.has(id));
-  return [...pocket.notes, ...mine.map(({ id, body, made_by, phone_unix_s }) => ({
+  return new Map([...sentBeyond(pocket, keptOf(pocket.mission_id)?.as_of_s ?? 0), ...mine].map((report) => [report.id, report]));
+}
+
+/** Their names: with others, roads are others. @param {Pocket} pocket */
+const ownNotes = (pocket) => [...lacking(pocket).keys()].sort().join();
+
+/** Notes with those of this phone that are not among them yet. @param {Pocket} pocket @returns {PocketNote[]} */
+function notesWith(pocket) {
+  const places = new Map(pocket.tags.map(({ tag_id, x_m, y_m }) => [tag_id, { x_m, y_m }]));
+  return [...pocket.notes, ...[...lacking(pocket).values()].map(({ id, body, made_by, phone_unix_s }) => ({
     annotation_id: id, kind: body.note, text: body.text, tag_id: body.tag_id, x_m: null, y_m: null, area_m: [], by: made_by,
     changed_unix_s: phone_unix_s, ends: [], ...places.get(body.tag_id),
   }))];
@@ -167,7 +173,7 @@ async function renew() {
   if (!state.roads) answerAnew(); // all that was there is what the server had said
   const found = await refresh(mission);
   if (found !== "failed") state.as_of_s = keptOf(mission)?.as_of_s ?? state.as_of_s;
-  if (found === "new") state.roads ? answer() : answerAnew();
+  if (found === "new" || (state.pocket && ownNotes(state.pocket) !== own)) state.roads ? answer() : answerAnew();
   changed();
 }
 
