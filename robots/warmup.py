@@ -5,6 +5,7 @@ It takes seconds at the first start of a machine, nothing afterwards.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import pi, radians
 
 import numpy as np
@@ -22,6 +23,7 @@ from robots.estimation.tag_filter import RangeSighting
 from robots.estimation.tag_graph.graph import TagGraph, graph_problem
 from robots.estimation.tag_graph.smoothing import smooth_radio
 from robots.exploration.frontiers import Frontier
+from robots.exploration.settings import SafeGroundConfig
 from robots.exploration.strategies.sight import Sight
 from robots.exploration.strategies.three_grids import find_candidates, three_grids
 from robots.exploration.strategies.waymark import Waymark
@@ -110,6 +112,13 @@ def _warm_up_strategies() -> None:
     survey, frontiers = claims.survey(grid, tags), (Frontier((1, 30), (3.0, 0.2), 1.0, 1.0),)
     view = ExplorationView(Pose2(), frontiers, lambda: survey, grid=grid, trail=np.zeros((20, 4)))
     Waymark().worths(view)
+    swept = replace(
+        view, costs=travel_costs(grid, 5, 5), settings=PlanningConfig(safe=SafeGroundConfig(sweep=True))
+    )
+    waymark = Waymark()
+    begun = waymark.candidates(swept)
+    waymark.candidates(replace(swept, goal_m=begun[0].goal_m))
+    waymark.worths(swept)
     _warm_up_small_maps(tags)
 
 

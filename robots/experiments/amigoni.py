@@ -239,8 +239,8 @@ EXPERIMENT = Experiment(
         "p of equals: two one-sided tests that the strategies differ by less than 30 m². ANOVA: two factors,"
         " runs as blocks.",
         "s a way: what planning one way costs the robot that decides. By 'none' it plans as the paper's steps"
-        " 1 to 4 do. Waymark floods its map when its goal changes, from itself and from robots whose ways"
-        " it has to compare with its own.",
+        " 1 to 4 do. Waymark floods its map once for a tour of up to 120 m and for each leg, of up to 15 m,"
+        " plans anew; or when its goal changes, from itself and from robots whose ways it has to compare.",
         "The paper: five runs each, planning in real time on a machine that is not described. Not printed"
         " and chosen here: the bell of P(p) with 30 m, the battery's life, the base where a robot started.",
     ),

@@ -203,7 +203,7 @@ class Explorer:
             shut = shut_off(ground, self.trail.points, shortest_m)
             left = (*left, *shut)
             choice = None if self.homing.is_shut(ground) else goals.look_at(shut, now_s, SHUT)
-        path = None if choice is None else ground.path_to(choice.frontier.goal)
+        path = None if choice is None else ground.way_to(choice.frontier)
         if choice is not None and path is not None:
             goals.goal_m, known = choice.frontier.goal_m, self._suspects.known_to_others(now_s)
             reason = f"driving {choice.frontier.cost_m:.0f} m to {choice.why}{known}"

@@ -26,6 +26,18 @@ class Frontier:
     cost_m: float
 
 
+@dataclass(frozen=True, slots=True)
+class Leg(Frontier):
+    """A way planned as one through many stations, ``way_m`` (x, y) each, to the goal at its end.
+
+    ``area_m2``: the ground that driving it makes safe; ``begun``: the robot is on it already.
+    """
+
+    way_m: tuple[tuple[float, float], ...] = ()
+    area_m2: float = 0.0
+    begun: bool = False
+
+
 def find_frontiers(grid: PlanGrid, costs: NDArray[np.int32], min_length_m: float) -> tuple[Frontier, ...]:
     """Return the frontiers of at least ``min_length_m`` that can be reached, nearest first.
 

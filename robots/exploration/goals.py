@@ -10,7 +10,7 @@ from robots.config import ConfigError, PlanningConfig
 from robots.exploration.coordination import coordination_of
 from robots.exploration.coordination.original import ways_planned_alone
 from robots.exploration.coordination.team import SAME_GOAL_M, Selfish, Team
-from robots.exploration.frontiers import Frontier, find_frontiers
+from robots.exploration.frontiers import Frontier, Leg, find_frontiers
 from robots.exploration.ground import Ground
 from robots.exploration.strategies import STRATEGIES
 from robots.exploration.strategy import (
@@ -156,7 +156,9 @@ class Goals:
         if kept is not None:
             return kept
         trail, ways = self._communication.mates_trail(), self._communication.mates_ways(view.now_s)
-        view = self._with_candidates(replace(view, mates_trail=trail, mates_ways=ways))
+        aside = tuple((aside.x, aside.y) for aside in self._aside if aside.until_s > view.now_s)
+        view = replace(view, mates_trail=trail, mates_ways=ways, goal_m=self.goal_m, aside_m=aside)
+        view = self._with_candidates(view)
         self.view = view if isinstance(self.strategy, AnswersTags) else None
         if not view.frontiers:
             return None
@@ -192,6 +194,8 @@ class Goals:
     def _ways_planned(self, team: Team, chosen: Frontier) -> int:
         if isinstance(self.strategy, KeepsGoals):
             return ways_planned_alone(team) if isinstance(self.coordination, Selfish) else team.planned
+        if isinstance(chosen, Leg):
+            return 0 if chosen.begun else team.floods
         goal = self.goal_m
         same = (
             goal is not None and hypot(goal[0] - chosen.goal_m[0], goal[1] - chosen.goal_m[1]) < SAME_GOAL_M

@@ -9,6 +9,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from robots.exploration.frontiers import Frontier, Leg
 from robots.planning.plan_grid import PlanGrid
 from robots.planning.travel import UNREACHED, find_path, travel_costs
 from robots.se2 import Array, Pose2
@@ -48,6 +49,12 @@ class Ground:
         grid = self.grid
         cells = find_path(grid, grid.cell_of(self.pose.x, self.pose.y), cell)
         return None if cells is None else grid.centres_of(cells)
+
+    def way_to(self, frontier: Frontier) -> Array | None:
+        """Return the way to a frontier, (n, 2) points in the map frame, by its stations if it has any."""
+        if isinstance(frontier, Leg):
+            return np.array(frontier.way_m)
+        return self.path_to(frontier.goal)
 
     def distance_m(self, x: float, y: float) -> float:
         """Return how far (m) a point of the map frame is as the crow flies."""

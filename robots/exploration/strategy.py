@@ -27,7 +27,8 @@ class ExplorationView:
     driving to each of its cells costs in fifths of a cell (UNREACHED where it cannot). ``trail`` (k, 4): x,
     y, heading, stamp of where it was, oldest first, ``mates_trail`` (m, 4) of where others were that were
     heard, ``mates_ways`` (l, 3) of places on their straight ways to their goals; ``path_m`` (n, 2): the rest
-    of its way to its last goal; ``tags``: all that it read, from up to ``tag_reach_m`` off, ``base_m`` where
+    of its way to its last goal, ``goal_m`` where it is on its way to, ``aside_m`` goals that came to nothing
+    and are left for a while; ``tags``: all that it read, from up to ``tag_reach_m`` off, ``base_m`` where
     reports go; ``battery`` 1 full, 0 empty; ``ways_m`` (f,): what it costs to get to the frontiers, where
     that is not what they say themselves.
     """
@@ -40,6 +41,8 @@ class ExplorationView:
     costs: NDArray[np.int32] | None = None
     trail: Array = field(default_factory=lambda: np.zeros((0, 4)))
     path_m: Array = field(default_factory=lambda: np.zeros((0, 2)))
+    goal_m: tuple[float, float] | None = None
+    aside_m: tuple[tuple[float, float], ...] = ()
     tags: tuple[KnownTag, ...] = ()
     tag_reach_m: float = 0.0
     mates_trail: Array = field(default_factory=lambda: np.zeros((0, 4)))

@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 
 from robots.se2 import Array
 
+UNNAMED = "hazard"
+"""The text of a hazard of which nobody has said what it is."""
 _REACH_CM = 200.0
 
 

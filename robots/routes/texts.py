@@ -20,6 +20,7 @@ TEXTS: dict[Language, dict[str, str]] = {
         "leg": "{pieces} to tag {tag}.",
         "narrow": "Narrow: about {width} cm.",
         "take_care": "Take care: {hazard}.",
+        "a_hazard": "hazard",
         "walked": "Somebody walked it; just where is not known.",
         "last_leg": "From tag {tag} go {far} {way}: there is {goal}.",
         "last_leg_unsure": "From tag {tag} go about {far} {way} and search there:"
@@ -61,6 +62,7 @@ TEXTS: dict[Language, dict[str, str]] = {
         "leg": "{pieces} bis Marke {tag}.",
         "narrow": "Eng: etwa {width} cm.",
         "take_care": "Vorsicht: {hazard}.",
+        "a_hazard": "Gefahr",
         "walked": "Da ist jemand gegangen; wo genau, ist nicht bekannt.",
         "last_leg": "Von Marke {tag} {far} nach {way} gehen: Dort ist {goal}.",
         "last_leg_unsure": "Von Marke {tag} etwa {far} nach {way} gehen und dort suchen:"

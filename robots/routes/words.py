@@ -10,6 +10,7 @@ from typing import Literal
 
 import numpy as np
 
+from robots.routes.hazards import UNNAMED
 from robots.routes.planner import Leg
 from robots.routes.texts import Language, say
 from robots.routes.ways import Way, centimetres
@@ -118,7 +119,8 @@ def last_text(
 
 def warning(hazards: Iterable[str], language: Language = "en") -> str:
     """Return what to take care of, as sentences with a gap before each."""
-    return "".join(f" {say(language, 'take_care', hazard=hazard)}" for hazard in hazards)
+    named = (say(language, "a_hazard") if hazard == UNNAMED else hazard for hazard in hazards)
+    return "".join(f" {say(language, 'take_care', hazard=hazard)}" for hazard in named)
 
 
 def metres(distance_m: float) -> str:

@@ -6,14 +6,20 @@ way back, answered with 503, sent twice; pages are reloaded, closed and opened t
 
 from __future__ import annotations
 
+import base64
+import io
 import json
 import random
+import re
 import time
 import urllib.request
 from collections import Counter
 from dataclasses import dataclass, field
 from typing import Any
 
+from PIL import Image
+
+from robots.client import RobotClient
 from server.benchmarks.browser import OWN_MODULE, chromium, server_process
 
 MISSION = "field"
@@ -23,21 +29,28 @@ _OUTBOX = f"""{OWN_MODULE}("/static/phone/outbox.js").then(async (outbox) => {{
   await globalThis.begun;
   return outbox;
 }})"""
-_ADD = f"([kind, body]) => {_OUTBOX}.then(({{ add }}) => add(kind, '{MISSION}', body)).then(({{ id }}) => id)"
+_ADD = f"""async ([kind, {{ picture, ...body }}]) => {{
+  const bytes = Uint8Array.from(atob(picture ?? ""), (letter) => letter.charCodeAt(0));
+  if (picture) body.picture = new Blob([bytes], {{ type: "image/jpeg" }});
+  return {_OUTBOX}.then(({{ add }}) => add(kind, '{MISSION}', body)).then(({{ id }}) => id);
+}}"""
 _SEND = f"() => {_OUTBOX}.then(({{ sendNow }}) => void sendNow())"
 _SENT = f"() => {_OUTBOX}.then(({{ sendNow }}) => sendNow())"
 _LEFT = 'import("/static/phone/kept.js").then(({ keys }) => keys("outbox")).then((all) => all.length)'
 _SETTLES_S = 60.0
+_MAPPED = 5  # tags T0 to T4 are on the map, of T5 to T9 nobody knows
+_REPORTS = re.compile(r"/(reports/|photos\?)")
 
 
 @dataclass
 class Tally:
-    """What was made, id -> text, what happened on the way, and what the server has in the end."""
+    """What was made, id -> kind and text, what happened on the way, and what the server has in the end."""
 
-    made: dict[str, str] = field(default_factory=dict)
+    made: dict[str, tuple[str, str]] = field(default_factory=dict)
     faults: Counter[str] = field(default_factory=Counter)
     lost: list[str] = field(default_factory=list)
     doubled: list[str] = field(default_factory=list)
+    victims: int = 0  # on the map
 
 
 class Link:
@@ -69,8 +82,11 @@ class Link:
 
 def _passed_on(route: Any) -> Any:
     """Send the request to the server; None where the server closed an idle connection just then."""
+    photo = (
+        _picture() if "/photos?" in route.request.url else None
+    )  # Playwright does not see what a Blob holds
     try:
-        return route.fetch()
+        return route.fetch(post_data=photo)
     except Exception as error:  # Playwright's own error is not imported where only the server runs
         if "ECONNRESET" not in str(error):
             raise
@@ -99,8 +115,8 @@ def run(context: Any, home: str, sequences: int, seed: int, page: str = "/phone"
     link = Link(
         random.Random(seed + 1), tally.faults
     )  # how many requests there are must not change what is done
-    _call(home, "POST", "/missions", {"name": "Field", "mission_id": MISSION, "tag_key": ""})
-    context.route("**/reports/*", link)
+    _drive_past_tags(home)
+    context.route(_REPORTS, link)
     for sequence in range(sequences):
         link.share = rng.choice((0.2, 0.5, 0.8, 1.0))
         _play(context, home + page, rng, tally, sequence)
@@ -119,7 +135,7 @@ def _play(context: Any, address: str, rng: random.Random, tally: Tally, sequence
         if action == "report":
             text = f"{sequence}.{step}"
             kind, body = _report(rng, text)
-            tally.made[page.evaluate(_ADD, [kind, body])] = text
+            tally.made[page.evaluate(_ADD, [kind, body])] = kind, text
         elif action == "send":
             page.evaluate(_SEND)
         elif action == "reload":
@@ -134,13 +150,50 @@ def _play(context: Any, address: str, rng: random.Random, tally: Tally, sequence
 
 
 def _report(rng: random.Random, text: str) -> tuple[str, dict[str, Any]]:
-    kind = rng.choice(("note", "victim", "mayday"))
-    body: dict[str, Any] = {"text": text, "tag_id": f"T{rng.randint(0, 9)}"}
+    (kind,) = rng.choices(("note", "victim", "photo", "mayday", "at", "heard"), (3, 3, 2, 1, 1, 1))
+    if kind == "heard":
+        return kind, {"since_unix_s": float(rng.randint(1, 9))}
+    body: dict[str, Any] = {"tag_id": f"T{rng.randint(0, 2 * _MAPPED - 1)}"}
+    if kind != "at":
+        body["text"] = text
     if kind == "note":
-        body["note"] = rng.choice(("hazard", "note", "searched"))
+        body["note"] = rng.choice(("hazard", "note", "searched", "exit"))
     if kind == "victim":
-        body |= {"live": rng.randint(0, 3), "dead": rng.randint(0, 1)}
+        body |= {"live": rng.randint(0, 3), "dead": rng.randint(0, 1), "start": {"walks": True}}
+    if kind == "photo":
+        body["picture"] = base64.b64encode(_picture()).decode()
     return kind, body
+
+
+def _picture() -> bytes:
+    file = io.BytesIO()
+    Image.new("RGB", (32, 24), (200, 60, 20)).save(file, "JPEG")
+    return file.getvalue()
+
+
+def _drive_past_tags(home: str) -> None:
+    """Open the mission, and have a robot pass tags two metres apart."""
+    robot = RobotClient(home, MISSION, "r1", patience_s=_SETTLES_S)
+    robot.create_mission("Field", tag_key="")
+    robot.register(start_pose={"x_m": 0.0, "y_m": 0.0, "yaw_rad": 0.0, "sd_m": 0.05, "sd_rad": 0.01})
+    step = {"kind": "displacement", "dy_m": 0.0, "dtheta_rad": 0.0}
+    robot.post(
+        [
+            {
+                "seq": k,
+                "stamp_s": float(k),
+                "odometry": step | {"dx_m": 1.0 if k else 0.0},
+                "tag_sightings": [] if k % 2 else [{"tag_id": f"T{k // 2}"}],
+            }
+            for k in range(2 * _MAPPED)
+        ]
+    )
+    robot.close()
+    until = time.monotonic() + _SETTLES_S
+    while len(_call(home, "GET", f"/missions/{MISSION}/tags")["tags"]) < _MAPPED:
+        if time.monotonic() > until:
+            raise TimeoutError("the tags do not come onto the map")
+        time.sleep(0.1)
 
 
 def _page(context: Any, address: str) -> Any:
@@ -161,18 +214,24 @@ def _settle(context: Any, address: str) -> None:
 
 def _count(home: str, tally: Tally) -> None:
     """Compare with what the server has: the reports, and what stands on the map because of them."""
-    reports = _call(home, "GET", f"/missions/{MISSION}/reports?limit=10000")["reports"]
-    there = Counter(report["report_id"] for report in reports)
-    notes = _call(home, "GET", f"/missions/{MISSION}/annotations")["annotations"]
-    shown = Counter(note["annotation_id"] for note in notes) + Counter(
-        note["text"].rsplit(" ", 1)[-1] for note in notes
-    )
-    shows = {r["report_id"] for r in reports if r["kind"] != "mayday"}
-    tally.lost = [name for name in tally.made if name not in there or (name in shows and name not in shown)]
-    tally.doubled = [
-        name for name, text in tally.made.items() if max(there[name], shown[name], shown[text]) > 1
-    ]
+    mission = f"/missions/{MISSION}"
+    photos = _call(home, "GET", f"{mission}/photos")["photos"]
+    reports = _call(home, "GET", f"{mission}/reports?limit=10000")["reports"]
+    there = Counter([report["report_id"] for report in reports] + [photo["photo_id"] for photo in photos])
+    notes = _call(home, "GET", f"{mission}/annotations")["annotations"]
+    victims = _call(home, "GET", f"{mission}/victims")["victims"]
+    said = [note["text"] for note in notes] + [victim["note"] for victim in victims]
+    shown = Counter(text.rsplit(" ", 1)[-1] for text in said + [photo["text"] for photo in photos])
+    for name, (kind, text) in tally.made.items():
+        is_shown = kind in ("note", "victim", "photo")
+        if (kind != "at" and not there[name]) or (
+            is_shown and not shown[text]
+        ):  # of places the last one counts
+            tally.lost.append(name)
+        if there[name] > 1 or shown[text] > 1:
+            tally.doubled.append(name)
     tally.doubled += [name for name in there if name not in tally.made]
+    tally.victims = len(victims)
 
 
 def _call(home: str, method: str, path: str, body: object = None) -> Any:
@@ -197,4 +256,5 @@ def measure(sequences: int, seed: int) -> dict[str, Any]:
         tally = run(context, home, sequences, seed, page="/static/logo.svg")
         context.close()
     found = {"sequences": sequences, "reports made": len(tally.made)}
+    found |= Counter(kind for kind, _ in tally.made.values()) | {"victims on the map": tally.victims}
     return found | dict(tally.faults) | {"lost": len(tally.lost), "doubled": len(tally.doubled)}

@@ -121,6 +121,7 @@ def pack_of(
             "x_m": places[tag["tag_id"]][0],
             "y_m": places[tag["tag_id"]][1],
             "sd_m": sd_of(tag),
+            "state": tag["state"],
             "notice": tag["notice"],
             "place_kind": place_kind(grid, tag),
         }

@@ -49,6 +49,7 @@ def whereabouts(
         "x_m": tag["x_m"],
         "y_m": tag["y_m"],
         "sd_m": hypot(tag["covariance"][0] ** 0.5, tag["covariance"][2] ** 0.5),
+        "state": tag["state"],
         "notice": tag["notice"],
         "place_kind": kind,
         "text": _text(tag_id, kind, neighbours, victims, language, routes.north),

@@ -6,7 +6,7 @@ from typing import Any
 
 from pydantic import Field
 
-from db.records import AnnotationKind
+from db.records import AnnotationKind, TagState
 from db.victim_records import Triage, VictimStatus
 from server.schemas.alerts import EvacuationOut
 from server.schemas.common import Wire
@@ -22,6 +22,7 @@ class PocketTagOut(Wire):
     x_m: float
     y_m: float
     sd_m: float
+    state: TagState
     notice: str
     place_kind: PlaceKindOut
 

@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from db.records import TagState
 from db.victim_records import VictimStatus
 from robots.routes.place_kind import PlaceKind
 from server.schemas.common import Wire
@@ -78,6 +79,7 @@ class WhereOut(Wire):
     x_m: float
     y_m: float
     sd_m: float = Field(description="Standard deviation of its place.")
+    state: TagState
     notice: str
     place_kind: PlaceKindOut
     text: str

@@ -19,6 +19,20 @@ _RUN = """async () => {
     `${id}: ${node.target}: ${node.failureSummary.replaceAll("\\n", " ")} ${node.html.slice(0, 99)}`));
 }"""
 
+# What gloves cannot hit or masks not read: targets under 64 px, text under 20 px, what is cut off aside.
+SMALL = """() => {
+  const all = [...document.querySelectorAll("body *")];
+  const shown = all.filter((e) => e.checkVisibility() && !e.closest(".unseen"));
+  const named = (found) => found.map((e) => e.outerHTML.slice(0, 80));
+  const low = shown.filter((e) => e.matches("button, .button, input:not(.unseen), select"));
+  const text = shown.filter((e) => [...e.childNodes].some((n) => n.nodeType === 3 && n.data.trim()));
+  return {
+    low: named(low.filter((e) => e.getBoundingClientRect().height < 64)),
+    small: named(text.filter((e) => parseFloat(getComputedStyle(e).fontSize) < 20)),
+    wide: document.documentElement.scrollWidth - innerWidth,
+  };
+}"""
+
 
 class Audit:
     """Gathers the violations of a page's states, so that one run tells them all."""
@@ -38,3 +52,9 @@ class Audit:
             choose = f"(look) => look.chooseLook({{ theme: '{theme}' }})"
             page.evaluate(f"import('/static/theme.js').then({choose})")
             self.found += [f"{state}, {theme}: {violation}" for violation in page.evaluate(_RUN)]
+
+    def look_in_gloves(self, state: str) -> None:
+        """Look at a page of the phone, also for what is too small there."""
+        self.look(state)
+        for fault, seen in self._page.evaluate(SMALL).items():
+            self.found += [f"{state}, {fault}: {seen}"] if seen else []

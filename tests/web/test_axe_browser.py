@@ -98,6 +98,16 @@ def test_every_page_and_state_has_no_violation(link: str, page: Page, robot_log:
     page.get_by_role("button", name=f"Victim {seen['victim']}").click()
     expect(page.locator(".go .number")).to_be_visible(timeout=SOON_MS)
     audit.look("phone, led to a victim")
+    page.set_viewport_size({"width": 390, "height": 844})
+    audit.look_in_gloves("phone, led to a victim")
+    assert page.request.delete(f"{home}/api/v1/session", headers={"Origin": home}).ok
+    page.get_by_role("button", name="Leave word here").click()
+    page.get_by_role("button", name="Searched").click()
+    expect(page.get_by_text("You are logged out.")).to_be_visible(timeout=SOON_MS)
+    audit.look_in_gloves("phone, logged out")
+    page.goto(f"{home}/login?next=/phone")
+    expect(page.get_by_role("button", name="Log in")).to_be_visible()
+    audit.look("login on a phone")
     assert not audit.found, "\n".join(audit.found)
 
 

@@ -77,14 +77,14 @@ def test_mayday_waits_for_nothing_and_can_be_called_again(
 
 def test_a_mayday_that_does_not_go_out_says_why(field: Field, page: Page) -> None:
     answers = {
-        409: "MAYDAY was NOT taken. Shout, use the radio. The drill is over.",
+        409: "MAYDAY was NOT taken. Shout, use the radio. This mission is over and takes nothing any more.",
         401: "MAYDAY is NOT sent: this phone is logged out.",
         503: "MAYDAY is NOT sent yet: the server is in trouble.",
     }
     status = 0
 
     def refuse(route: Route) -> None:
-        error = {"code": "strange", "message": "The drill is over.", "field": None}
+        error = {"code": "mission_closed", "message": "Drill was closed.", "field": None}
         route.fulfill(status=status, json={"error": error})
 
     for status, words in answers.items():

@@ -9,21 +9,10 @@ from math import atan2, degrees, hypot, log10, radians
 import pytest
 from playwright.sync_api import BrowserContext, Page, expect
 
+from tests.web.axe import SMALL
 from tests.web.field import Field, keep
 
 SOON_MS = 60_000
-SMALL = """() => {
-  const all = [...document.querySelectorAll("body *")];
-  const shown = all.filter((e) => e.checkVisibility() && !e.closest(".unseen"));
-  const named = (found) => found.map((e) => e.outerHTML.slice(0, 80));
-  const low = shown.filter((e) => e.matches("button, .button, input:not(.unseen), select"));
-  const text = shown.filter((e) => [...e.childNodes].some((n) => n.nodeType === 3 && n.data.trim()));
-  return {
-    low: named(low.filter((e) => e.getBoundingClientRect().height < 64)),
-    small: named(text.filter((e) => parseFloat(getComputedStyle(e).fontSize) < 20)),
-    wide: document.documentElement.scrollWidth - innerWidth,
-  };
-}"""
 TURNED = """(alpha) => dispatchEvent(Object.assign(new Event("deviceorientationabsolute"), { alpha }))"""
 
 

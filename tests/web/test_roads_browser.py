@@ -189,6 +189,8 @@ def test_a_phone_finds_the_servers_routes_and_words(page: Page, language: Langua
         blanks = dict.fromkeys(("tag", "far", "way", "goal", "doubt", "name"), "")
         word = say(language, key, **blanks).strip().split(":")[0][-9:]
         assert any(word in text for text in texts), word
+    unnamed = say(language, "take_care", hazard=say(language, "a_hazard"))
+    assert any(text.endswith(unnamed) for text in texts)
     assert {where["place_kind"] for _, expected in cases for where in expected["where"]} == KINDS
     for (_, expected), answer in zip(cases, answers, strict=True):
         for theirs, ours in zip(expected["routes"], answer["routes"], strict=True):

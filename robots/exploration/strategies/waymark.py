@@ -52,7 +52,7 @@ class Waymark:
     def reason(self, view: ExplorationView, index: int) -> str:
         """Return how much is to be seen, or why it goes where others were."""
         if view.settings.safe.sweep:
-            area_m2 = self._sweep.areas(view, goals_of(view)[index : index + 1])[0]
+            area_m2 = self._sweep.gains(view)[index]
             return f"make about {area_m2:.0f} m² of ground safe on the way"
         if isinstance(view.frontiers[index], FarFrontier):
             return "ground that was left open, along tags"

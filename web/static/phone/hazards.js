@@ -5,11 +5,12 @@
 /** `corners`: one for a point, three and more for an area. @typedef {{text: string, corners: Point[]}} Hazard */
 
 const REACH_CM = 200;
+export const UNNAMED = "hazard"; // where nobody has said what it is
 
 /** @param {PocketNote[]} notes @returns {Hazard[]} */
 export function hazardsOf(notes) {
   return notes.filter(({ kind, x_m }) => kind === "hazard" && x_m !== null).map((note) => ({
-    text: note.text || "hazard",
+    text: note.text || UNNAMED,
     corners: (note.area_m.length ? note.area_m : [[note.x_m ?? 0, note.y_m ?? 0]]).map(([x, y]) => [100 * x, 100 * y]),
   }));
 }

@@ -27,7 +27,7 @@ function Page() {
     ${trouble}
     ${goal && state.route && html`<${Guide} route=${state.route} to=${goal.to} />`}
     <p class="where">${where.text}${where.sd_m > 1 ? ` ${say("place_unsure", { far: metres(where.sd_m) })}` : ""}</p>
-    ${where.notice && html`<p class="trouble">${where.notice}</p>`}
+    ${where.notice && html`<p class="trouble">${say(/** @type {Key} */ (`tag_${where.state ?? "doubtful"}`))}</p>`}
     ${where.victims.length > 0 && html`<h2>${say("lead_me_to")}</h2><ul>${where.victims.map(NearVictim)}</ul>`}
     ${rest && html`<${rest.AtTag} mission=${where.mission_name} />`}`;
 }

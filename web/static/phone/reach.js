@@ -1,5 +1,7 @@
 /** Asking the server, whether it is in reach, who is logged in, and what time it has: a phone's clock may be days off. */
 
+import { say } from "./texts.js";
+
 /** @typedef {{name: string, role: string}} Me */
 
 const TIMEOUT_MS = 8000; // without a byte: a slow network may take its time
@@ -135,10 +137,16 @@ export async function read(path) {
   return response?.ok ? response.json().catch(() => null) : null;
 }
 
-/** The sentence of a refusal. @param {Response} response @returns {Promise<string>} */
+/** What a refusal means here, by its code. @type {Record<string, import("./texts.js").Key>} */
+const REFUSALS = {
+  mission_closed: "refused_over", mission_archived: "refused_over", unknown_mission: "refused_mission", role_too_low: "refused_role",
+  too_large: "refused_large", invalid: "refused_invalid",
+};
+
+/** Why the server will not have something, in the phone's language where the reason is a common one. @param {Response} response @returns {Promise<string>} */
 export async function reasonOf(response) {
-  const body = await response.json().catch(() => null);
-  return String(body?.error?.message ?? response.status);
+  const { error } = (await response.json().catch(() => null)) ?? {};
+  return say(REFUSALS[error?.code] ?? "refused_otherwise", { reason: String(error?.message ?? response.status) });
 }
 
 /** Ask who is logged in. */

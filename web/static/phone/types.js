@@ -1,6 +1,7 @@
 /** What the phone carries of a mission (GET /api/v1/missions/{m}/pocket), and what it makes of it. */
 
-/** @typedef {{tag_id: string, x_m: number, y_m: number, sd_m: number, notice: string, place_kind?: string}} PocketTag */
+/** @typedef {"sound" | "moved" | "cloned" | "doubtful"} TagState */
+/** @typedef {{tag_id: string, x_m: number, y_m: number, sd_m: number, state: TagState, notice: string, place_kind?: string}} PocketTag */
 /** Numbers of two tags, length in cm, points x, y, x, y, ... in cm, by how much more it counts as it is narrow, its narrowest width,
  *  0 where not known, in cm, and how long it was to somebody who walked it, 0 where a robot drove, in cm.
  *  @typedef {[number, number, number, number[], number, number, number]} PocketWay */
@@ -22,7 +23,7 @@
  *   uncertain: boolean, hazards: string[], points_m: [number, number][]}} Step */
 /** `goal`: what it leads to, in words. @typedef {{goal: string, distance_m: number, legs: Step[], last: Step | null}} Route */
 /** @typedef {{victim_id: string, status: string, distance_m: number, reachable: boolean}} NearVictim */
-/** @typedef {{mission_id: string, mission_name: string, tag_id: string, sd_m: number, notice: string, text: string,
+/** @typedef {{mission_id: string, mission_name: string, tag_id: string, sd_m: number, state: TagState, notice: string, text: string,
  *   victims: NearVictim[]}} Where */
 
 /** What a page has begun to read: the storage, how to open it again, and the missions in it.

@@ -64,7 +64,7 @@ export function whereIs(pocket, roads, tagId) {
   if (!tag) return null;
   const victims = nearVictims(pocket, roads, tagId);
   const { mission_id, mission_name } = pocket;
-  return { mission_id, mission_name, tag_id: tagId, sd_m: tag.sd_m, notice: tag.notice, text: textOf(roads, tag, victims), victims };
+  return { mission_id, mission_name, tag_id: tagId, sd_m: tag.sd_m, state: tag.state, notice: tag.notice, text: textOf(roads, tag, victims), victims };
 }
 
 /** @param {Pocket} pocket @param {Roads} roads @param {string} tagId @returns {NearVictim[]} */

@@ -1,5 +1,6 @@
 /** Ways in words: how far, which way by the compass, where to turn. As robots/routes/words.py says it. */
 
+import { UNNAMED } from "./hazards.js";
 import { say } from "./texts.js";
 
 /** @import {Edge, Roads} from "./roads.js" */
@@ -71,7 +72,7 @@ function legText(points, toTag, length_m, uncertain, { way, hazards }, north) {
 }
 
 /** @param {string} text @param {string[]} hazards */
-const withCare = (text, hazards) => [text, ...hazards.map((hazard) => say("take_care", { hazard }))].join(" ");
+const withCare = (text, hazards) => [text, ...hazards.map((hazard) => say("take_care", { hazard: hazard === UNNAMED ? say("a_hazard") : hazard }))].join(" ");
 
 /** @param {[number, number][]} points @param {boolean} uncertain @param {number | null} north @param {number | null} walked_m of a straight line, its length on foot */
 function piecesOf(points, uncertain, north, walked_m) {

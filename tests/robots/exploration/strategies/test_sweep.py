@@ -42,8 +42,12 @@ def view_at(grid: PlanGrid, x: float, y: float, trail: list[tuple[float, float]]
 
 
 def swept(view: ExplorationView) -> tuple[Sweep, ExplorationView]:
+    """Return the view with places to weigh one by one, as where no tour gains anything."""
     sweep = Sweep()
-    return sweep, replace(view, frontiers=sweep.candidates(view))
+    sweep.candidates(view)
+    assert view.grid is not None
+    assert view.costs is not None
+    return sweep, replace(view, frontiers=sweep.places(view, view.grid, view.costs))
 
 
 def test_places_to_go_to_are_what_is_not_safe_and_can_be_reached():
@@ -86,13 +90,16 @@ def test_a_wall_hides_what_lies_behind():
 
 def test_a_lane_through_new_ground_is_worth_more_than_the_rim_and_waymark_says_how_much():
     view = view_at(hall(), 4.0, 6.0, [(4.0, 6.0)])
-    waymark = Waymark()
-    seen = replace(view, frontiers=waymark.candidates(view))
-    worths = waymark.worths(seen)
+    sweep, seen = swept(view)
+    worths = sweep.worths(seen)
     best = int(np.argmax(worths))
     assert seen.frontiers[best].cost_m > 6.0
-    assert waymark.reason(seen, best).startswith("make about ")
     assert worths[best] > worths[0]
+    waymark = Waymark()
+    (leg,) = waymark.candidates(view)
+    gained_m = waymark.worths(replace(view, frontiers=(leg,)))[0] + leg.cost_m
+    assert gained_m > 0.27 * 40.0  # of way, for at least 40 m2
+    assert waymark.reason(replace(view, frontiers=(leg,)), 0).startswith("make about ")
 
 
 def test_where_all_is_safe_there_is_nowhere_to_go():
