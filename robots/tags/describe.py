@@ -121,8 +121,8 @@ def sentences(told: dict[str, Any]) -> list[str]:
 
 def _way(north_m: float, west_m: float) -> str:
     return (
-        f"{abs(north_m):.1f} m {'north' if north_m >= 0 else 'south'} and "
-        f"{abs(west_m):.1f} m {'west' if west_m >= 0 else 'east'} of the tag"
+        f"{abs(north_m):.1f} m plan {'north' if north_m >= 0 else 'south'} and "
+        f"{abs(west_m):.1f} m plan {'west' if west_m >= 0 else 'east'} of the tag"
     )
 
 

@@ -24,6 +24,7 @@ class ChipNotes:
         self._annotations = annotations
         self._key = key
         self._known: dict[str, bytes] = {}  # records that were looked at, by tag
+        self._victims: set[tuple[str, str, str]] = set()  # reported ones: tag, author and text as in a tag
 
     async def take(self, tag_id: str, records: bytes) -> None:
         """Show the notes in what was read from a tag that are not on the map yet.
@@ -66,8 +67,23 @@ class ChipNotes:
         if copy != note.annotation_id and self._annotations.value(copy) is not None:
             await self._annotations.remove(copy)
 
+    def knows_victim(self, tag_id: str, by: str, live: int | None, dead: int | None, text: str) -> str:
+        """Take note of a victim that was reported; return the id that its writer's word in the tag has."""
+        word = f"victim: L-{live or 0} D-{dead or 0} {text.strip()}".strip()  # as the phone writes it
+        known = tag_id, *_as_in_tag(by, word)
+        self._victims.add(known)
+        return chip_note_id(*known)
+
+    async def victim_is_reported(
+        self, tag_id: str, by: str, live: int | None, dead: int | None, text: str
+    ) -> None:
+        """Take a word of a victim off the map that came by its tag, now that its writer has reported it."""
+        copy = self.knows_victim(tag_id, by, live, dead, text)
+        if self._annotations.value(copy) is not None:
+            await self._annotations.remove(copy)
+
     def _was_reported(self, tag_id: str, author: str, text: str) -> bool:
-        return any(
+        return (tag_id, author, text) in self._victims or any(
             known.tag_id == tag_id and _as_in_tag(known.by, f"{known.kind}: {known.text}") == (author, text)
             for known in self._annotations.all()
         )

@@ -59,6 +59,11 @@ class Reports:
         for record in reversed(await self._store.latest(self._mission_id, _RESTORED, "at")):
             self._show_place(record)
             self._walks.take(record.body)
+        for record in await self._store.latest(self._mission_id, _RESTORED, "victim"):
+            counts = record.body.get("live"), record.body.get("dead")
+            self._chip_notes.knows_victim(
+                record.body["tag_id"], record.by, *counts, record.body.get("text", "")
+            )
 
     async def has(self, report_id: UUID) -> bool:
         """Say whether a report was taken."""
@@ -116,6 +121,8 @@ class Reports:
         return f"It stands on the map at tag {said.tag_id}."
 
     async def _take_victim(self, record: ReportRecord, said: ReportIn) -> str:
+        assert said.tag_id is not None
+        await self._chip_notes.victim_is_reported(said.tag_id, record.by, said.live, said.dead, said.text)
         tag = self._board.get(f"tag/{said.tag_id}")
         start = StartRecord() if said.start is None else StartRecord(**said.start.model_dump())
         if tag is None:  # where that is, is not known yet: the note moves there once it is

@@ -94,5 +94,8 @@ def _same(told: VictimRecord, others: Sequence[VictimRecord]) -> VictimRecord | 
 
 def _way(mark: VictimMark) -> str:
     north, west = 0.1 * mark.north_dm, 0.1 * mark.west_dm
-    along, across = "north" if north >= 0.0 else "south", "west" if west >= 0.0 else "east"
+    along, across = (
+        "plan north" if north >= 0.0 else "plan south",
+        "plan west" if west >= 0.0 else "plan east",
+    )
     return f"{abs(north):.1f} m {along} and {abs(west):.1f} m {across}"

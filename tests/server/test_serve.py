@@ -40,7 +40,10 @@ def served(tmp_path, wait_until):
         "--login",
         "off",
     ]
-    process = subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    environment = os.environ | {"WAYMARK_REPLY_S": "60"}  # the machine may have other things to do
+    process = subprocess.Popen(
+        words, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, env=environment
+    )
     family = []
     try:
         with httpx.Client(base_url=f"http://127.0.0.1:{port}/api/v1", timeout=90) as client:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import time
 from dataclasses import replace
 from itertools import product
-from math import hypot
+from math import hypot, inf
 from threading import Event
 
 import numpy as np
@@ -17,9 +17,10 @@ import pytest
 
 from robots.config import AgentConfig
 from robots.overrides import override
+from robots.routes.hazards import Hazard
 from robots.routes.planner import RouteMap
 from robots.routes.ways import Way
-from robots.routes.words import OF_PLAN, bearing_deg, leg_text, metres
+from robots.routes.words import bearing_deg, last_text, leg_text
 from robots.sim.hearing import Device
 from robots.sim.live import play
 from robots.sim.responder import Responder
@@ -38,10 +39,22 @@ class PocketPhone:
         self.victim = next(v for v in pocket["victims"] if v["victim_id"] == victim_id)
         self.places = {tag["tag_id"]: np.array([tag["x_m"], tag["y_m"]]) for tag in tags}
         ways = [
-            Way(tags[a]["tag_id"], tags[b]["tag_id"], np.array(points).reshape(-1, 2) / 100.0)
-            for a, b, _, points, *_ in pocket["ways"]
+            Way(
+                tags[a]["tag_id"],
+                tags[b]["tag_id"],
+                np.array(points).reshape(-1, 2) / 100.0,
+                width_cm / 100.0 or inf,
+                narrow_cm,
+                walked_cm / 100.0 or None,
+            )
+            for a, b, _, points, narrow_cm, width_cm, walked_cm in pocket["ways"]
         ]
-        self.roads = RouteMap(ways, {tag["tag_id"]: tag["sd_m"] for tag in tags})
+        hazards = [
+            Hazard(note["text"], ((note["x_m"], note["y_m"]),))
+            for note in pocket["notes"]
+            if note["kind"] == "hazard"
+        ]
+        self.roads = RouteMap(ways, {tag["tag_id"]: tag["sd_m"] for tag in tags}, hazards)
         self.ends = {tag: cm / 100.0 for tag, cm in self.victim["ends"]}
 
     def legs(self, tag_id):
@@ -53,10 +66,10 @@ class PocketPhone:
             points = legs[0].way.points_m
             return Advice(bearing_deg(points[0], points[1]), leg_text(legs[0]), legs[0].way.to_tag)
         here, there = self.places[tag_id], np.array([self.victim["x_m"], self.victim["y_m"]])
-        bearing, far = bearing_deg(here, there), metres(float(hypot(*(there - here))))
-        return Advice(
-            bearing, f"From tag {tag_id} go {far} {OF_PLAN.point(bearing)}: there is the victim.", None
-        )
+        last = Way(tag_id, "", np.array([here, there]))
+        passed = self.roads.hazards_near(last.points_m)
+        text = last_text(last, f"victim {self.victim['victim_id']}", self.victim["sd_m"], passed)
+        return Advice(bearing_deg(here, there), text, None)
 
 
 @pytest.fixture(scope="module")
@@ -75,9 +88,32 @@ def explored(control):
     for _ in range(150):
         pocket = line.get("/pocket")
         if pocket["ways"] and any(victim["ends"] for victim in pocket["victims"]):
-            return simulations[0], pocket
+            break
         time.sleep(0.2)
-    raise AssertionError("no victim was found in sight of a tag")
+    else:
+        raise AssertionError("no victim was found in sight of a tag")
+    x, y = np.array(pocket["ways"][0][3]).reshape(-1, 2).mean(axis=0) / 100.0  # somebody reports a hole there
+    hole = {"kind": "hazard", "text": "hole", "x_m": float(x), "y_m": float(y)}
+    line.call("PUT", "/annotations/00000000-0000-4000-8000-0000000000aa", hole)
+    while not pocket["notes"]:
+        time.sleep(0.2)
+        pocket = line.get("/pocket")
+    return simulations[0], pocket
+
+
+def test_the_phone_out_of_reach_is_led_as_the_server_would_lead(control, explored):
+    """Round hazards and narrow places, in the same words."""
+    _, pocket = explored
+    line = control.line("walked")
+    victim = next(victim["victim_id"] for victim in pocket["victims"] if victim["ends"])
+    phone = PocketPhone(pocket, victim)
+    texts = []
+    for start in sorted(phone.roads.tags):
+        legs = line.get(f"/routes?from={start}&to=victim:{victim}")["legs"]
+        assert [leg_text(leg) for leg in phone.legs(start)] == [leg["text"] for leg in legs]
+        texts += [leg["text"] for leg in legs]
+    assert phone.roads.hazards_near(np.array(pocket["ways"][0][3]).reshape(-1, 2) / 100.0) == ("hole",)
+    assert texts
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -97,7 +133,11 @@ def test_who_starts_without_signal_is_led_to_the_victim(explored, seed):
         while walker.advance():
             ticks += 1
             assert ticks < 9000, f"still walking after half an hour; read {walker.read}"
-        led_m.append(min(hypot(v.x_m - walker.x_m, v.y_m - walker.y_m) for v in simulation.victims))
+        named = min(
+            simulation.victims, key=lambda v: hypot(v.x_m - phone.victim["x_m"], v.y_m - phone.victim["y_m"])
+        )  # whom the map means by it
+        assert hypot(named.x_m - phone.victim["x_m"], named.y_m - phone.victim["y_m"]) < 2.0
+        led_m.append(hypot(named.x_m - walker.x_m, named.y_m - walker.y_m))
         assert walker.read[0] == start
     assert legs >= 2
     assert max(led_m) < 1.0, led_m

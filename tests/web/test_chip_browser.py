@@ -159,7 +159,11 @@ def test_a_tag_is_opened_by_touch_and_a_word_is_left_in_its_chip(browser: Browse
     page.get_by_role("button", name="Write it into the tag too").click()
     expect(page.get_by_text(f"Hold the phone still at tag {tag_id} now.")).to_be_visible()
     page.evaluate(touch, [f"http://{host}/t/{other}", list(payload_of(chip))])
-    expect(page.get_by_role("alert")).to_contain_text(f"That is tag {other}. Touch tag {tag_id}")
+    expect(page.get_by_role("alert")).to_contain_text(f"No mission here knows a tag {other}")  # it opened
+    assert page.evaluate("globalThis.written") is None
+    page.evaluate(touch, [f"https://usar.example/t/{tag_id}", list(payload_of(chip))])  # a namesake
+    expect(page.get_by_role("alert").first).to_contain_text("for another server, usar.example")
+    assert page.evaluate("globalThis.written") is None
     page.evaluate("globalThis.tears = true")
     page.evaluate(touch, [link, list(payload_of(chip))])
     expect(page.get_by_role("alert")).to_contain_text("Writing was cut short")
@@ -174,15 +178,39 @@ def test_a_tag_is_opened_by_touch_and_a_word_is_left_in_its_chip(browser: Browse
     ]
     assert open_memory(b"".join(after.records), tag_id, KEY).trusted
     expect(page.get_by_text("gas, turn back").first).to_be_visible()
+
+    def touched() -> int:
+        found = httpx.get(f"http://{host}/api/v1/missions/drill/reports", timeout=30).json()["reports"]
+        return sum(report["body"].get("tag_id") == tag_id for report in found if report["kind"] == "at")
+
+    page.get_by_role("button", name="Leave word here").click()
+    page.get_by_label("What is here").fill("not for the chip")
+    page.get_by_role("button", name="Note", exact=False).first.click()
+    page.get_by_role("button", name="Write it into the tag too").click()
+    page.get_by_role("button", name="Do not write it").click()
+    page.wait_for_function("navigator.onLine")
+    before = touched()
+    page.evaluate("globalThis.written = null")
+    page.evaluate(touch, [link, payload])
+    while touched() == before:  # one is at it again, wherever steps have led since
+        page.wait_for_timeout(200)
+    assert page.evaluate("globalThis.written") is None
+    page.evaluate(touch, [f"https://usar.example/t/{tag_id}", payload])  # though its number is this one's
+    expect(page.get_by_role("alert").first).to_contain_text("for another server, usar.example")
     context.close()
 
 
 def test_what_another_phone_left_in_a_tag_is_carried_on_to_the_server(
     browser: Browser, drill: Any, scripts: Page
 ) -> None:
+    """Of somebody whose name begins like that of the phone's owner, operator."""
     host, tag_id = drill["host"], drill["tags"][0]
     chip = SimulatedTag.formatted(CHIPS[2048], LINK)
-    case = {"payload": list(payload_of(chip)), "author": "Ann", "texts": ["hazard: wires é", "two doors"]}
+    case = {
+        "payload": list(payload_of(chip)),
+        "author": "oper",
+        "texts": ["hazard: wires é", "two doors", "exit: gate"],
+    }
     (payload,) = scripts.evaluate(WRITE, [case])
     context = browser.new_context(viewport={"width": 390, "height": 844}, locale="en-GB")
     context.add_init_script(STUB)
@@ -195,10 +223,11 @@ def test_what_another_phone_left_in_a_tag_is_carried_on_to_the_server(
         expect(page.get_by_text("wires é").first).to_be_visible()
         page.wait_for_timeout(1500)
     found = httpx.get(f"http://{host}/api/v1/missions/drill/annotations", timeout=30).json()["annotations"]
-    carried = {a["annotation_id"]: (a["kind"], a["text"]) for a in found if a["by"].startswith("Ann")}
+    carried = {a["annotation_id"]: (a["kind"], a["text"]) for a in found if a["by"].startswith("oper (")}
     assert carried == {
-        chip_note_id(tag_id, "Ann", "hazard: wires é"): ("hazard", "wires é"),
-        chip_note_id(tag_id, "Ann", "two doors"): ("note", "two doors"),
+        chip_note_id(tag_id, "oper", "hazard: wires é"): ("hazard", "wires é"),
+        chip_note_id(tag_id, "oper", "two doors"): ("note", "two doors"),
+        chip_note_id(tag_id, "oper", "exit: gate"): ("exit", "gate"),
     }
     context.close()
 

@@ -19,8 +19,16 @@ READ = """async (vectors) => {
     const bytes = new Uint8Array(size);
     bytes.set(payload.match(/../g)?.map((byte) => parseInt(byte, 16)) ?? []);
     const { condition, memory } = memoryOnChip(bytes);
-    return { condition, memory, sentences: memory ? sentencesOf(memory) : [] };
+    return { condition, memory, sentences: memory ? sentencesOf(memory, null) : [] };
   });
+}"""
+
+
+TURNED = """async () => {
+  const { decodeMemory, sentencesOf } = await import("/static/phone/memory.js");
+  const victims = [{ key: 1, north_m: 3, west_m: -1.5, confidence: 0.8, seen_min: 12 }];
+  const memory = { ...decodeMemory(new Uint8Array()), victims };
+  return [null, 0, 90, 180].map((north) => sentencesOf(memory, north)[0]);
 }"""
 
 
@@ -49,3 +57,15 @@ def test_the_phone_reads_every_vector_as_python_does(page: Page) -> None:
             assert found["sentences"] == vector["sentences"], name
         if found["condition"] == "foreign":
             assert name.startswith(("of version", "of somebody", "sealed nonsense"))
+
+
+def test_places_in_a_memory_are_turned_to_true_north_where_that_is_known(page: Page) -> None:
+    assert page.evaluate(TURNED) == [
+        f"Victim 0001: {way} of the tag, 80% sure, seen at minute 12."
+        for way in (
+            "3.0 m plan north and 1.5 m plan east",
+            "3.0 m north and 1.5 m east",
+            "1.5 m south and 3.0 m east",
+            "3.0 m south and 1.5 m west",
+        )
+    ]

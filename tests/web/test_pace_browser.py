@@ -64,6 +64,10 @@ def of_tags(api: httpx.Client) -> list[dict[str, Any]]:
     return [alert for alert in api.get("/alerts").json()["alerts"] if alert["kind"] == "tag"]
 
 
+def at_tags(api: httpx.Client) -> list[dict[str, Any]]:
+    return [said["body"] for said in api.get("/reports").json()["reports"] if said["kind"] == "at"]
+
+
 def test_a_copy_is_told_to_whoever_touches_it_and_to_the_commander(home: str, page: Page) -> None:
     told = page.locator("main").get_by_role("alert")
 
@@ -88,9 +92,16 @@ def test_a_copy_is_told_to_whoever_touches_it_and_to_the_commander(home: str, pa
         (alert,) = alerts
         assert alert["tag_id"] == "A2"
         assert alert["text"].startswith("operator touched tag A2 ")
+        reported = at_tags(api)
+        (walk,) = [body for body in reported if body.get("from_tag") == "A0"]
+        assert (walk["tag_id"], walk["after_s"] >= 0.0) == ("A1", True)
         page.reload()
         expect(page.get_by_text("You are at tag A2")).to_be_visible(timeout=SOON_MS)
         expect(told).to_have_count(0)  # a page that is loaded again was not touched
+        page.go_back()
+        expect(page.get_by_text("You are at tag A1")).to_be_visible(timeout=SOON_MS)
+        expect(page.get_by_text("Data of")).to_be_visible(timeout=SOON_MS)
+        assert at_tags(api) == reported  # nor is anybody at a tag whose page is gone back to
         touch("A0")  # where it can have come to from A1: it was A2 that was odd
         expect(told).to_have_count(0)
         assert len(of_tags(api)) == 1

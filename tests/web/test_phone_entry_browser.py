@@ -139,7 +139,22 @@ def test_numbers_are_understood_as_people_type_them(drill: Any, browser: Browser
     number.fill(wrong)
     page.get_by_role("button", name="Where am I?").click()
     expect(page.get_by_role("alert")).to_contain_text(re.compile(f"No tag here has the number {wrong}"))
+    page.route("**/api/v1/where?*", lambda route: route.fulfill(status=401, json={}))
+    page.get_by_role("button", name="Where am I?").click()
+    expect(page.get_by_role("alert")).to_contain_text("Log in: the server may know it.")
+    page.unroute("**/api/v1/where?*")
+    page.route("**/api/v1/where?*", lambda route: route.abort())
+    page.get_by_role("button", name="Where am I?").click()
+    expect(page.get_by_role("alert")).to_contain_text("and the server cannot be reached.")
+    page.unroute("**/api/v1/where?*")
     number.fill(written.lower().replace("-", " "))
     page.get_by_role("button", name="Where am I?").click()
     expect(page.get_by_role("heading", name=f"Tag {tag_id}")).to_be_visible(timeout=SOON_MS)
     context.close()
+
+
+def test_a_damaged_link_opens_a_page_that_helps_on(drill: Any, page: Page) -> None:
+    page.goto(f"http://{drill['host']}/t/A%zz")
+    expect(page.get_by_role("alert")).to_contain_text("No mission here knows a tag A%zz.", timeout=SOON_MS)
+    expect(page.get_by_label("The number on the tag")).to_be_visible()
+    expect(page.get_by_role("button", name="MAYDAY")).to_be_visible()

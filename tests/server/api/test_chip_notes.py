@@ -108,3 +108,25 @@ def test_a_forged_memory_is_an_alert_and_a_phones_word_is_none(line):
         (alert,) = line.get("/alerts")["alerts"]
         assert (alert["kind"], alert["tag_id"], alert["severity"]) == ("tag", "A4", "warning")
         assert "Tag A4 may be forged or a copy" in alert["text"]
+
+
+@pytest.mark.parametrize("chip_first", [True, False])
+def test_a_victim_that_was_reported_is_no_note_besides(line, chip_first):
+    line.read_tag(SEALED)
+    now = time.time()
+    body = {"kind": "victim", "tag_id": "A4", "live": 2, "dead": 0, "text": "under the stairs"}
+    body |= {"made_by": "Kim", "phone_unix_s": now, "sent_phone_unix_s": now}
+    steps = [
+        lambda: line.read_tag(SEALED + unsealed("victim: L-2 D-0 under the stairs")),
+        lambda: line.call("PUT", f"/reports/{uuid4()}", body),
+    ]
+    for step in steps if chip_first else reversed(steps):
+        step()
+    whole = ("victim", "2 live, 0 dead, START: unknown. under the stairs", "A4", "Kim")
+    assert on_map(line) == [whole]  # a victim, once its tag has a place
+    carried = chip_note_id("A4", "Kim", "victim: L-2 D-0 under the stairs")  # by another phone, too
+    report(line, "L-2 D-0 under the stairs", note="victim", report_id=carried)
+    assert on_map(line) == [whole]
+    line.read_tag(SEALED + unsealed("victim: L-1 D-0 in the bath", "exit: gate"))
+    others = [("exit", "gate", "A4", "Kim"), ("victim", "L-1 D-0 in the bath", "A4", "Kim")]
+    assert on_map(line) == sorted([whole, *others])

@@ -85,9 +85,10 @@ def test_it_draws_north_up(tmp_path, capsys):
     said = capsys.readouterr().out.splitlines()
     assert said[:5] == [*DRAWN[:2], "#.T..", *DRAWN[3:]]
     assert said[6:] == [
-        "Victim ccb5: 3.0 m north and 1.5 m east of the tag, 80% sure, seen at minute 12.",
+        "Victim ccb5: 3.0 m plan north and 1.5 m plan east of the tag, 80% sure, seen at minute 12.",
         "Kim writes: gas, turn back",
-        "Robot 09b1 passed here 3 times, last on its way to a place 4.0 m south and 2.5 m west of the tag.",
+        "Robot 09b1 passed here 3 times,"
+        " last on its way to a place 4.0 m plan south and 2.5 m plan west of the tag.",
         "Robots drove through 2 cells of 0.4 m round it.",
     ]
     assert run(["tag", "decode", str(chip), "--id", "A4", "--key", KEY]) == 0

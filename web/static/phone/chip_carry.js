@@ -1,17 +1,18 @@
 /** Words that others left in a tag, carried on to the server by whoever reads them: by an id that anyone makes the same, so each counts once. */
 
-import { notesOfPhones } from "./chip_writer.js";
+import { NOTE_KINDS } from "../console/note_kinds.js";
+import { authorOf, notesOfPhones } from "./chip_writer.js";
 import { adopt } from "./outbox.js";
 import { reach } from "./reach.js";
 import { missionId } from "./state.js";
 
 const SPACE = "6d0f1a2e6a574b0e9c1b5e2f0c7d3a91"; // as server/mission/chip_notes.py
-const WORD = /^(note|hazard|searched|victim): ?([\s\S]*)$/;
+const WORD = new RegExp(`^(${Object.keys(NOTE_KINDS).join("|")}): ?([\\s\\S]*)$`);
 
 /** @param {string} tagId @param {Uint8Array} payload of our record on its chip */
 export async function carryOn(tagId, payload) {
   const mission_id = missionId();
-  const others = notesOfPhones(payload).filter(({ author }) => !(reach.me?.name ?? "").startsWith(author));
+  const others = notesOfPhones(payload).filter(({ author }) => !reach.me || author !== authorOf(reach.me.name));
   if (!mission_id || !crypto.subtle) return;
   const reports = await Promise.all(others.map(async ({ author, text }) => {
     const [, note, rest] = WORD.exec(text) ?? ["", "note", text];

@@ -41,7 +41,7 @@ export function withNote(payload, author, text) {
   const notes = records.flatMap(({ content }) => notesIn(content));
   const own = records.filter(({ isSealed }) => !isSealed).flatMap(({ content }) => notesIn(content));
   const number = Math.min(65535, 1 + Math.max(0, ...notes.map((note) => note.number)));
-  const added = { number, author: cut(author, 16), text: cut(text, 120) };
+  const added = { number, author: authorOf(author), text: cut(text, 120) };
   const revision = (1 + Math.max(-1, ...records.map((record) => record.revision))) & 0xffff;
   const record = recordOf(packed([added, ...own]), revision);
   return placed(payload, halves, size, record);
@@ -109,6 +109,9 @@ function recordOf(content, revision) {
   const check = crc16([...head, ...rest]);
   return Uint8Array.from([...head, check >> 8, check & 255, ...rest]);
 }
+
+/** As much of a name as a note has room for. @param {string} name */
+export const authorOf = (name) => cut(name, 16);
 
 /** The beginning of a text that has so many bytes at most, no character cut. @param {string} text @param {number} most */
 function cut(text, most) {

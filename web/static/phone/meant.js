@@ -2,7 +2,7 @@
 
 import { takeCode } from "./handover_view.js";
 import { missions } from "./pockets.js";
-import { read } from "./reach.js";
+import { reach, read } from "./reach.js";
 import { understood } from "./short_id.js";
 import { changed, state } from "./state.js";
 import { say } from "./texts.js";
@@ -47,10 +47,11 @@ export async function goToTyped(typed) {
   if (await followLink(typed)) return;
   const here = understood(typed, missions().flatMap(({ tag_ids }) => tag_ids));
   const there = here.tagIds.length ? null : await read(`/where?${new URLSearchParams({ typed })}`);
-  const { tag_ids: found, trouble } = there ?? { tag_ids: here.tagIds, trouble: here.trouble };
+  const found = there?.tag_ids ?? here.tagIds;
   if (found.length === 1) touch(found[0]);
   else if (found.length > 1) ask({ choices: found });
-  else ask({ trouble: say(trouble === "unknown" ? "number_unknown" : "number_mistyped", { typed }) });
+  else if (there) ask({ trouble: say(there.trouble === "unknown" ? "number_unknown" : "number_mistyped", { typed }) });
+  else ask({ trouble: say(reach.inReach && reach.isLoggedOut ? "number_log_in" : "number_unknown_here", { typed }) });
 }
 
 /** Be led to the tag of this mission whose number somebody typed. @param {string} typed */
@@ -58,7 +59,7 @@ export function leadToTyped(typed) {
   const { tagIds, trouble } = understood(typed, (state.pocket?.tags ?? []).map(({ tag_id }) => tag_id));
   if (tagIds.length === 1) lead(`tag:${tagIds[0]}`);
   else if (tagIds.length > 1) ask({ trouble: say("number_of_several", { tags: tagIds.join(", ") }) });
-  else ask({ trouble: say(trouble === "unknown" ? "number_unknown" : "number_mistyped", { typed }) });
+  else ask({ trouble: say(!reach.inReach ? "number_unknown_here" : trouble === "unknown" ? "number_unknown" : "number_mistyped", { typed }) });
 }
 
 /** @param {string} text what a QR code says */

@@ -6,7 +6,7 @@
 import { BytesError, crc16, Reader } from "./bytes.js";
 import { readMaps, readNotes, readPasses, readVictims, readWindow } from "./memory_parts.js";
 import { say } from "./texts.js";
-import { rounded } from "./words.js";
+import { compassPoint, rounded } from "./words.js";
 
 /** @typedef {{window: string[], phase: number, cell_m: number, reach: number, visited: string[], visited_reach: number,
  *   victims: {key: number, north_m: number, west_m: number, confidence: number, seen_min: number}[],
@@ -107,14 +107,14 @@ export function decodeMemory(data) {
   return memory;
 }
 
-/** What a memory holds beside the ground, one sentence each. @param {Memory} memory */
-export function sentencesOf(memory) {
-  const said = memory.victims.map((v) => say("memory_victim", { key: hex(v.key), way: wayTo(v.north_m, v.west_m),
+/** What a memory holds beside the ground, one sentence each. @param {Memory} memory @param {number | null} north true bearing of the plan's x axis */
+export function sentencesOf(memory, north) {
+  const said = memory.victims.map((v) => say("memory_victim", { key: hex(v.key), way: wayTo(v.north_m, v.west_m, north),
     sure: rounded(100 * v.confidence), minute: v.seen_min }));
   said.push(...memory.notes.map(({ author, text }) => say("memory_note", { author, text })));
   for (const p of memory.passes) {
     const times = p.count === 1 ? say("once") : say("times", { n: p.count });
-    const way = wayTo(p.goal_north_m, p.goal_west_m);
+    const way = wayTo(p.goal_north_m, p.goal_west_m, north);
     const went = p.goal_north_m || p.goal_west_m ? say("memory_went", { way }) : "";
     said.push(say("memory_pass", { key: hex(p.key), times, went }));
   }
@@ -126,8 +126,10 @@ export function sentencesOf(memory) {
 /** @param {number} key */
 const hex = (key) => key.toString(16).padStart(4, "0");
 
-/** @param {number} north_m @param {number} west_m */
-function wayTo(north_m, west_m) {
-  return say("of_the_tag", { a: Math.abs(north_m).toFixed(1), north: say(north_m >= 0 ? "north" : "south"), b: Math.abs(west_m).toFixed(1),
-    west: say(west_m >= 0 ? "west" : "east") });
+/** A memory knows the plan's axes alone. @param {number} x_m @param {number} y_m along the plan's axes @param {number | null} north */
+function wayTo(x_m, y_m, north) {
+  const turned = ((north ?? 0) * Math.PI) / 180;
+  const [north_m, west_m] = [x_m * Math.cos(turned) + y_m * Math.sin(turned), y_m * Math.cos(turned) - x_m * Math.sin(turned)];
+  return say("of_the_tag", { a: Math.abs(north_m).toFixed(1), north: compassPoint(north_m >= 0 ? 0 : 180, north), b: Math.abs(west_m).toFixed(1),
+    west: compassPoint(west_m >= 0 ? 270 : 90, north) });
 }

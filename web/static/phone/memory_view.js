@@ -5,7 +5,8 @@ import { get, put } from "./kept.js";
 import { memoryIn, memoryOnChip, sentencesOf } from "./memory.js";
 import { ask, missionPath } from "./reach.js";
 import { changed, state } from "./state.js";
-import { say } from "./texts.js";
+import { language, say } from "./texts.js";
+import { compassPoint } from "./words.js";
 
 /** @import {Memory, Said} from "./memory.js" */
 
@@ -44,20 +45,23 @@ export function MemoryView() {
     ${condition === "empty" && html`<p>${say("memory_empty")}</p>`}
     ${condition === "damaged" && html`<p class="trouble">${say("memory_damaged")}</p>`}
     ${condition === "foreign" && html`<p class="trouble">${say("memory_foreign")}</p>`}
-    ${memory && html`<ul>${sentencesOf(memory).map((text) => html`<li>${text}</li>`)}</ul><${Ground} memory=${memory} />`}
+    ${memory && html`<ul>${sentencesOf(memory, state.roads?.north ?? null).map((text) => html`<li>${text}</li>`)}</ul><${Ground} memory=${memory} />`}
     ${memory && said.isFromChip && html`<p class="soft">${say("memory_unchecked")}</p>`}</section>`;
 }
 
-/** Covered ground round the tag, north up. @param {{memory: Memory}} props */
+/** Covered ground round the tag, north up, or the plan's where that is not known. @param {{memory: Memory}} props */
 function Ground({ memory }) {
-  const { window: rows } = memory;
+  const { window: rows, cell_m } = memory;
+  const north = state.roads?.north ?? null;
   const cells = rows.join("");
   const count = (/** @type {string} */ state) => [...cells].filter((cell) => cell === state).length;
   if (!count("o") && !count("#")) return null;
   const side = rows.length * CELL_PX;
-  const middle = (rows.length * CELL_PX) / 2;
-  return html`<p>${say("memory_ground", { n: count("#") + count("o"), open: count("o") })}</p>
-    <svg class="ground" viewBox=${`0 0 ${side} ${side}`} aria-hidden="true">${rows.flatMap((row, y) => [...row].map((cell, x) =>
-      cell !== "." && html`<rect x=${x * CELL_PX} y=${y * CELL_PX} width=${CELL_PX} height=${CELL_PX} fill=${COLORS[cell]} />`))}
+  const middle = side / 2;
+  const rim = north === null ? 0 : (Math.SQRT1_2 - 0.5) * side; // turned, its corners stand out
+  const area = (/** @type {number} */ cells) => (cells * cell_m ** 2).toLocaleString(language(), { maximumFractionDigits: 1 });
+  return html`<p>${say("memory_ground", { n: area(count("#") + count("o")), open: area(count("o")) })} ${say("memory_up", { way: compassPoint(0, north) })}</p>
+    <svg class="ground" viewBox=${`${-rim} ${-rim} ${side + 2 * rim} ${side + 2 * rim}`} aria-hidden="true"><g transform=${`rotate(${north ?? 0} ${middle} ${middle})`}>${rows.flatMap((row, y) => [...row].map((cell, x) =>
+      cell !== "." && html`<rect x=${x * CELL_PX} y=${y * CELL_PX} width=${CELL_PX} height=${CELL_PX} fill=${COLORS[cell]} />`))}</g>
       <circle cx=${middle} cy=${middle} r=${CELL_PX} fill="var(--accent)" /></svg>`;
 }

@@ -17,7 +17,7 @@ const WHY = { NotAllowedError: "nfc_refused", NotSupportedError: "nfc_none", Not
 
 /** @type {any} */
 let reader = null;
-/** What is to be written into the tag that is touched next. @type {{tagId: string, text: string} | null} */
+/** What is to be written into a tag when it is touched, whatever is touched before. @type {{tagId: string, text: string} | null} */
 let toWrite = null;
 
 export const hasNfc = () => "NDEFReader" in globalThis;
@@ -49,6 +49,12 @@ export async function writeNext(text) {
   changed();
 }
 
+/** Leave the word out of the tag after all: it is on the phone, and goes to the server. */
+export function writeNothing() {
+  toWrite = null;
+  changed({ trouble: "" });
+}
+
 /** @param {NdefRecord[]} records */
 async function take(records) {
   const link = records.find(({ recordType }) => recordType === "url");
@@ -60,37 +66,35 @@ async function take(records) {
     return;
   }
   const payload = ours?.data ? new Uint8Array(ours.data.buffer.slice(ours.data.byteOffset, ours.data.byteOffset + ours.data.byteLength)) : null;
-  if (toWrite) {
-    await write(tag.tagId, address, payload, records.length);
-    return;
-  }
-  if (tag.tagId !== state.tagId) await followLink(address, Date.now() / 1000);
-  if (!payload) return;
+  const read_s = Date.now() / 1000;
+  const isHere = tag.host === location.host;
+  const written = toWrite && isHere && tag.tagId === toWrite.tagId ? await write(toWrite, address, payload, records.length) : null;
+  await followLink(address, read_s);
+  if (written) changed(written);
+  if (!payload || !isHere || written) return;
   chipRead(tag.tagId, payload);
   if (state.where?.tag_id === tag.tagId) await carryOn(tag.tagId, payload).catch(() => undefined); // damaged: the page says so
 }
 
-/** @param {string} tagId @param {string} address @param {Uint8Array | null} payload @param {number} count of records on the chip */
-async function write(tagId, address, payload, count) {
-  const { tagId: wanted, text } = /** @type {{tagId: string, text: string}} */ (toWrite);
-  if (tagId !== wanted) {
-    changed({ trouble: say("nfc_other_tag", { tag: tagId, wanted }) });
-    return;
-  }
+/**
+ * While the chip is at the phone.
+ * @param {{tagId: string, text: string}} word @param {string} address @param {Uint8Array | null} payload @param {number} count of records on the chip
+ * @returns {Promise<{trouble: string, said?: string}>} what to tell of it
+ */
+async function write({ tagId, text }, address, payload, count) {
   if (!payload || count !== 2) { // whatever else is on it would be lost
     toWrite = null;
-    changed({ trouble: say("nfc_not_ours") });
-    return;
+    return { trouble: say("nfc_not_ours") };
   }
   try {
     const after = withNote(payload, reach.me?.name ?? "?", text);
     await reader.write({ records: [{ recordType: "url", data: address }, { recordType: OURS, data: after }] }, { overwrite: true });
     toWrite = null;
     chipRead(tagId, after);
-    changed({ trouble: "", said: say("nfc_written", { tag: tagId }) });
+    return { trouble: "", said: say("nfc_written", { tag: tagId }) };
   } catch (error) {
     const isRefusal = error instanceof ChipRefusal;
     if (isRefusal) toWrite = null;
-    changed({ trouble: say(!isRefusal ? "nfc_torn" : error.why === "full" ? "nfc_full" : "nfc_unreadable_here", { tag: tagId }) });
+    return { trouble: say(!isRefusal ? "nfc_torn" : error.why === "full" ? "nfc_full" : "nfc_unreadable_here", { tag: tagId }) };
   }
 }

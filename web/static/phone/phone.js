@@ -51,10 +51,19 @@ function draw() {
   render(html`<${rest.Mayday} />`, place("foot"));
 }
 
+/** A link that was damaged on its way names a tag that nobody knows, and so is told. @param {string} text */
+function decoded(text) {
+  try {
+    return decodeURIComponent(text);
+  } catch {
+    return text;
+  }
+}
+
 /** The tag and mission that an address of this page names. */
 function here(address = new URL(location.href)) {
   const [, first, tag] = address.pathname.split("/");
-  return /** @type {const} */ ([first === "t" ? decodeURIComponent(tag ?? "") : "", address.searchParams.get("mission")]);
+  return /** @type {const} */ ([first === "t" ? decoded(tag ?? "") : "", address.searchParams.get("mission")]);
 }
 
 /** Until the browser has painted, or would have: a page in the background paints nothing. */

@@ -33,7 +33,8 @@ export const DE = {
   nfc_write: "Auch in die Marke schreiben",
   nfc_hold_still: "Halten Sie das Telefon jetzt still an Marke {tag}.",
   nfc_written: "Es steht jetzt in Marke {tag}: Wer als Nächstes vorbeikommt, hat es ohne Netz.",
-  nfc_other_tag: "Das ist Marke {tag}. Berühren Sie Marke {wanted}, um dies zu schreiben.",
+  nfc_waits: "Ein Wort wartet darauf, in Marke {tag} geschrieben zu werden, sobald Sie sie wieder berühren.",
+  nfc_write_not: "Nicht hineinschreiben",
   nfc_not_ours: "Dieser Chip enthält etwas anderes oder wurde nicht vorbereitet: Nichts wurde geschrieben. Ihr Wort bleibt auf dem Telefon.",
   nfc_unreadable_here: "Dieses Telefon kann nicht lesen, was in der Marke steht, und hat nichts überschrieben. Ihr Wort bleibt auf dem Telefon.",
   nfc_full: "In der Marke ist kein Platz mehr: Nichts wurde geschrieben. Ihr Wort bleibt auf dem Telefon.",
@@ -45,6 +46,8 @@ export const DE = {
   number_of_several: "Mehrere Marken haben diese Nummer: {tags}. Tippen Sie eine davon ganz.",
   number_mistyped: "Keine Marke hier hat die Nummer {typed}. Sehen Sie noch einmal hin: Ein Zeichen ist falsch, oder eines fehlt.",
   number_unknown: "Die Nummer {typed} ist richtig getippt, aber noch kein Einsatz hier hat diese Marke.",
+  number_unknown_here: "Dieses Telefon kennt keine Marke mit der Nummer {typed}, und der Server ist nicht erreichbar. Sehen Sie die Nummer noch einmal an, oder lesen Sie eine andere Marke.",
+  number_log_in: "Dieses Telefon kennt keine Marke mit der Nummer {typed}. Melden Sie sich an: Der Server kennt sie vielleicht.",
   which_of_them: "Mehrere Marken haben diese Nummer. Welche ist es?",
   tag: "Marke {tag}",
 
@@ -187,6 +190,7 @@ export const DE = {
   memory_driven: "Roboter fuhren durch {n} Felder von 0,4 m rundum.",
   memory_map: "{robot} hat eine Karte von {n} Marken hinterlassen.",
   memory_ground: "Vom Boden rundum sind {n} Quadratmeter abgesucht, {open} davon sind offene Ränder.",
+  memory_up: "Im Bild ist oben {way}.",
   once: "einmal", times: "{n}-mal",
   of_the_tag: "{a} m nach {north} und {b} m nach {west} von der Marke",
 

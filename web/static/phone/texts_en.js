@@ -32,7 +32,8 @@ export const EN = {
   nfc_write: "Write it into the tag too",
   nfc_hold_still: "Hold the phone still at tag {tag} now.",
   nfc_written: "It stands in tag {tag} now: who passes next has it without any signal.",
-  nfc_other_tag: "That is tag {tag}. Touch tag {wanted} to write this.",
+  nfc_waits: "A word waits to be written into tag {tag}, when you touch that tag again.",
+  nfc_write_not: "Do not write it",
   nfc_not_ours: "This chip holds something else, or was not made ready: nothing was written. Your word is kept on the phone.",
   nfc_unreadable_here: "This phone cannot read what the tag holds, so nothing was written over it. Your word is kept on the phone.",
   nfc_full: "The tag has no room left: nothing was written. Your word is kept on the phone.",
@@ -44,6 +45,8 @@ export const EN = {
   number_of_several: "Several tags have that number: {tags}. Type one of them in full.",
   number_mistyped: "No tag here has the number {typed}. Look again: a character is wrong, or one is missing.",
   number_unknown: "The number {typed} is typed rightly, but no mission here has that tag yet.",
+  number_unknown_here: "This phone knows no tag with the number {typed}, and the server cannot be reached. Look at the number again, or read another tag.",
+  number_log_in: "This phone knows no tag with the number {typed}. Log in: the server may know it.",
   which_of_them: "Several tags have this number. Which one is it?",
   tag: "Tag {tag}",
 
@@ -185,7 +188,8 @@ export const EN = {
   memory_went: ", last on its way to a place {way}",
   memory_driven: "Robots drove through {n} cells of 0.4 m round it.",
   memory_map: "{robot} left a map of {n} tags.",
-  memory_ground: "Of the ground round it {n} square metres are searched and {open} are open edges.",
+  memory_ground: "Of the ground round it {n} square metres are searched, {open} of them open edges.",
+  memory_up: "Up in the picture is {way}.",
   once: "once", times: "{n} times",
   of_the_tag: "{a} m {north} and {b} m {west} of the tag",
 

@@ -14,8 +14,9 @@ import numpy as np
 
 from robots.exploration.frontiers import Leg
 from robots.exploration.strategies.tours.beam import best_way
-from robots.exploration.strategies.tours.stations import NEW, Kinds, stations_of, way_between, without_ghosts
+from robots.exploration.strategies.tours.stations import NEW, Kinds, stations_of, without_ghosts
 from robots.exploration.strategy import ExplorationView
+from robots.planning.plan_grid import PlanGrid
 from robots.se2 import Array
 
 _LONGEST_M = 120  # of a tour
@@ -47,9 +48,8 @@ class Tours:
         # what was passed is never gone back to, though the way may turn about
         way = way[min(int(off_m.argmin()) + 1, len(way) - 1) :]
         rest = np.concatenate([[(pose.x, pose.y)], way])
-        ways = [way_between(grid.steps, grid.origin, grid.cell_m, a, b) for a, b in pairwise(rest)]
         left_m = _length_m(rest)
-        if off_m.min() > _OFF_M or left_m < _END_M or min(ways) < 0.0:
+        if off_m.min() > _OFF_M or left_m < _END_M or not _is_open(grid, way):
             return None
         self._leg = replace(leg, cost_m=left_m, way_m=_points(rest), begun=True)
         return self._leg
@@ -82,6 +82,14 @@ class Tours:
         area_m2 = coarse_m**2 * len(np.unique(np.concatenate(seen)))
         self._leg = Leg(grid.cell_of(x, y), (x, y), 0.0, _length_m(way), _points(_resampled(way)), area_m2)
         return self._leg
+
+
+def _is_open(grid: PlanGrid, way: Array) -> bool:
+    """Say whether a body fits within a cell of each place of a way, (n, 2), but where it begins."""
+    return all(
+        grid.steps[max(0, row - 1) : row + 2, max(0, column - 1) : column + 2].any()
+        for row, column in (grid.cell_of(x, y) for x, y in way[2:].tolist())
+    )
 
 
 def _shares(view: ExplorationView, kinds: Kinds, coarse_m: float) -> Array:
