@@ -115,10 +115,10 @@ def test_without_https_a_phone_looks_up_leads_and_leaves_word(
         expect(page.get_by_role("alert")).to_contain_text("keeps the camera for pages with https")
         page.get_by_label("The number on the tag").fill(tag.lower())
         page.get_by_role("button", name="Where am I?").click()
-        expect(page.get_by_text(f"You are at tag {tag}.")).to_be_visible(timeout=SOON_MS)
+        expect(page.get_by_text(f"You are at tag {tag}")).to_be_visible(timeout=SOON_MS)
 
         page.goto(f"{home}/t/{tag}")  # by the link that a touch opens
-        expect(page.get_by_text(f"You are at tag {tag}.")).to_be_visible(timeout=SOON_MS)
+        expect(page.get_by_text(f"You are at tag {tag}")).to_be_visible(timeout=SOON_MS)
         expect(page.get_by_text("switches all that on with waymark ca")).to_be_visible(timeout=SOON_MS)
         page.get_by_role("button", name=f"Victim {field.victim}").click()
         expect(page.locator(".go .number")).to_have_text(re.compile(r"\d+ m"), timeout=SOON_MS)
@@ -138,7 +138,7 @@ def test_without_https_a_phone_looks_up_leads_and_leaves_word(
         context.set_offline(True)  # the open page goes on by what it has
         page.get_by_label("The number on the tag").fill(other)
         page.get_by_role("button", name="Where am I?").click()
-        expect(page.get_by_text(f"You are at tag {other}.")).to_be_visible()
+        expect(page.get_by_text(f"You are at tag {other}")).to_be_visible()
         assert [said for said in troubles if "Failed to load resource" not in said] == []
 
 
@@ -189,7 +189,7 @@ def test_with_a_local_authority_the_page_is_kept_and_opens_without_signal(
         page.close()
     cold = context.new_page()  # the server is gone, the phone starts cold
     cold.goto(f"{home}/t/{tag}")
-    expect(cold.get_by_text(f"You are at tag {tag}.")).to_be_visible(timeout=SOON_MS)
+    expect(cold.get_by_text(f"You are at tag {tag}")).to_be_visible(timeout=SOON_MS)
     expect(cold.get_by_text("No signal.")).to_be_visible(timeout=SOON_MS)
     expect(cold.get_by_text("This address has no https")).to_have_count(0)
     assert [said for said in troubles if "Failed to load resource" not in said] == []

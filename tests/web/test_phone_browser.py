@@ -210,7 +210,7 @@ def test_only_what_has_changed_is_fetched_again(field: Field, page: Page) -> Non
             assert told["parts"] == whole["parts"]
         api.delete("/annotations/00000000-0000-4000-8000-00000000feed")
     page.reload()  # what is kept is whole
-    expect(page.get_by_text(f"You are at tag {tag}.")).to_be_visible(timeout=SOON_MS)
+    expect(page.get_by_text(f"You are at tag {tag}")).to_be_visible(timeout=SOON_MS)
     kept = page.evaluate("import('/static/phone/kept.js').then(({ all }) => all('pockets'))")
     assert {key: json.loads(kept[0]["text"])[key] for key in ("tags", "ways", "map")} == {
         key: whole[key] for key in ("tags", "ways", "map")

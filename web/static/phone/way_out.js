@@ -11,7 +11,8 @@ export function WayOut() {
   const { pocket, roads, where } = state;
   if (!pocket || !roads || !where) return null;
   const ways = /** @type {const} */ (["exit", "base"]).filter((to) => target()?.to !== to)
-    .map((to) => ({ to, route: routeTo(pocket, roads, where.tag_id, to) }));
+    .map((to) => ({ to, route: routeTo(pocket, roads, where.tag_id, to) }))
+    .filter(({ to, route }) => to === "exit" || route?.distance_m); // who is at the base knows it
   const isMarked = roads.notes.some(({ kind }) => kind === "exit");
   return html`${ways.some(({ to, route }) => to === "exit" && !route) && html`<p class="soft">${say(isMarked ? "no_way_out" : "no_exit")}</p>`}
     <ul>${ways.map(({ to, route }) => route && html`<li key=${to}><button type="button" onClick=${() => lead(to)}>
