@@ -79,7 +79,7 @@ def test_a_mayday_that_does_not_go_out_says_why(field: Field, page: Page) -> Non
     answers = {
         409: "MAYDAY was NOT taken. Shout, use the radio. This mission is over and takes nothing any more.",
         401: "MAYDAY is NOT sent: this phone is logged out.",
-        503: "MAYDAY is NOT sent yet: the server is in trouble.",
+        500: "MAYDAY is NOT sent yet: the server is in trouble.",
     }
     status = 0
 
