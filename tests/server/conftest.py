@@ -105,6 +105,9 @@ def driven(control: Control, drive: Drive) -> Line:
     with line.stream() as stream:
         stream.until(lambda s: "map" in s.state and s.kind("victim"))
         stream.until(lambda s: len(s.kind("tag")) == len(drive.agent.report().graph.tag_ids))
+        # a solve may take longer than the second without news after which the stream is taken to be at rest
+        team = control.missions.get(line.mission_id).shared_map._team
+        wait_until(lambda: not (team._changed.is_set() or team._solving))
         stream.settle()
     return line
 
