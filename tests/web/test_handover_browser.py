@@ -168,6 +168,9 @@ def test_a_poster_calls_no_mayday_in_the_name_of_who_scans_it(browser: Browser, 
         assert [alert["text"].split(",")[0] for alert in alerts] == [
             f"MAYDAY from operator (carried by operator) near tag {tag}"
         ]
-        assert len([n for n in api.get("/reports").json()["reports"] if n["kind"] == "mayday"]) == 1
+        while not (kept := [n for n in api.get("/reports").json()["reports"] if n["kind"] == "mayday"]):
+            assert time.monotonic() < deadline  # it is told before it is kept
+            time.sleep(0.1)
+        assert len(kept) == 1
     expect(page.get_by_role("button", name="MAYDAY: press and hold")).to_be_visible()  # it is not one's own
     context.close()
