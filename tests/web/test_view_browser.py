@@ -64,9 +64,12 @@ class View:
         return bool(np.allclose(self.client.camera.look_at, (x_m, y_m, 0.0), atol=0.05))
 
     def is_as_wide_as_its_pane(self) -> bool:
-        """Whether viser knows of the pane's size as it is."""
+        """Whether viser knows of the pane's size as it is; it tells when its camera moves."""
         box = self.page.locator("#scene-pane").bounding_box()
-        return box is not None and abs(self.client.camera.image_width - box["width"]) < 2
+        assert box is not None
+        self.page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+        self.page.mouse.wheel(0, 1)
+        return bool(abs(self.client.camera.image_width - box["width"]) < 2)
 
     def click(self, x_m: float, y_m: float, z_m: float = 0.0) -> None:
         """Click where a place is seen."""
