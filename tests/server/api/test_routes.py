@@ -81,7 +81,7 @@ def test_words_come_in_german_too(driven, tags):
     victim = driven.get("/victims")["victims"][0]["victim_id"]
     last = driven.get(f"/routes?from={a}&to=victim:{victim}&language=de")["last"]
     assert last["text"].endswith(f"gehen: Dort ist Opfer {victim}.")
-    where = driven.control.call("GET", f"/where/{a}?language=de").json()
+    where = driven.control.call("GET", f"/where/{a}?language=de&mission={driven.mission_id}").json()
     assert where["text"].startswith(f"Sie sind an Marke {a}, in einem Flur. ")
     assert driven.control.call("GET", f"/where/{a}?language=fr").status_code == 422
 
