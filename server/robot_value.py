@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 
 from robots.orders import Methods
@@ -79,5 +81,5 @@ def frontiers_value(robot: Robot) -> dict[str, object] | None:
     return {"robot_id": robot.robot_id, "frontiers": edges}
 
 
-def _rounded(point: object) -> list[float]:
-    return [round(float(value), 3) for value in point]  # type: ignore[attr-defined]
+def _rounded(point: Iterable[float]) -> list[float]:
+    return [round(float(value), 3) for value in point]

@@ -25,7 +25,7 @@ def is_corridor(plan: Plan, place_m: Array) -> bool:
 
 
 @njit(cache=True)
-def _is_corridor(cells: Kinds, column: float, row: float, cell_m: float) -> bool:  # pragma: no cover
+def _is_corridor(cells: Kinds, column: float, row: float, cell_m: float) -> bool:
     lefts, rights = np.empty(2 * _STEPS + 1), np.empty(2 * _STEPS + 1)
     for axis in range(_AXES):
         dx, dy = cos(pi * axis / _AXES), sin(pi * axis / _AXES)
@@ -47,7 +47,7 @@ def _is_corridor(cells: Kinds, column: float, row: float, cell_m: float) -> bool
 
 
 @njit(cache=True)
-def _runs_on(lefts: Array, rights: Array, here: int) -> bool:  # pragma: no cover
+def _runs_on(lefts: Array, rights: Array, here: int) -> bool:
     """Say whether about a step some stretch has both walls, long enough for how far they are apart."""
     for first in range(0, here + 1, 2):
         last = max(first + _LEAST, here + 1)
@@ -68,9 +68,7 @@ def _runs_on(lefts: Array, rights: Array, here: int) -> bool:  # pragma: no cove
 
 
 @njit(cache=True)
-def _open_steps(
-    cells: Kinds, column: float, row: float, dx: float, dy: float, cell_m: float
-) -> int:  # pragma: no cover
+def _open_steps(cells: Kinds, column: float, row: float, dx: float, dy: float, cell_m: float) -> int:
     """Return how many steps it is to a wall or to what nobody has seen."""
     height, width = cells.shape
     half = 0.5 * cell_m
@@ -82,9 +80,7 @@ def _open_steps(
 
 
 @njit(cache=True)
-def _room_m(
-    cells: Kinds, column: float, row: float, dx: float, dy: float, cell_m: float
-) -> float:  # pragma: no cover
+def _room_m(cells: Kinds, column: float, row: float, dx: float, dy: float, cell_m: float) -> float:
     """Return how far it is to a wall or a thing; farther than any corridor's where none has been seen."""
     height, width = cells.shape
     for step in range(round(2.0 * _WIDE_M / cell_m)):

@@ -78,9 +78,7 @@ def outlook(plan: Plan, place_m: Array, door_m: float = 0.0) -> Outlook:
 
 
 @njit(cache=True)
-def _rays(
-    cells: Kinds, column: float, row: float, reach: int, chink: int
-) -> tuple[Array, Kinds]:  # pragma: no cover
+def _rays(cells: Kinds, column: float, row: float, reach: int, chink: int) -> tuple[Array, Kinds]:
     """Return how far (cells) each ray goes, in steps of half a cell, and what ends it."""
     height, width = cells.shape
     ranges, ends = np.full(RAYS, float(reach)), np.full(RAYS, FREE, np.uint8)
@@ -101,7 +99,7 @@ def _rays(
 
 
 @njit(cache=True)
-def _shut(open_m: Array, ends: Kinds, door_m: float) -> tuple[Array, Kinds]:  # pragma: no cover
+def _shut(open_m: Array, ends: Kinds, door_m: float) -> tuple[Array, Kinds]:
     """Return rays that end in each gap between two walls that is no wider than a door."""
     ranges_m, shut = open_m.copy(), ends.copy()
     half = RAYS // 2

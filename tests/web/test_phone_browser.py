@@ -20,17 +20,6 @@ SHOWN = f"""async () => {{
   const {{ roads }} = (await {OWN_MODULE}("/static/phone/state.js")).state;
   return roads && roads.notes.map(({{ annotation_id, kind }}) => [annotation_id, kind]);
 }}"""
-KEPT = """async () => {
-  const { keepSent, sentBeyond } = await import("/static/phone/sent.js");
-  const now = (await import("/static/phone/reach.js")).now_s();
-  const ids = (has, later_s, mission_id = "m") => {
-    const notes = has.map((annotation_id) => ({ annotation_id }));
-    return sentBeyond({ mission_id, notes }, now + later_s).map(({ id }) => id);
-  };
-  const tell = (id, kind = "note", mission_id = "m") => keepSent({ id, kind, mission_id, body: {} });
-  tell("a"); tell("b"); tell("b"); tell("c", "note", "other"); tell("d", "victim");
-  return [ids([], 0), ids([], 4), ids(["a"], 0), ids([], 0), ids([], 30), ids([], 0), ids([], 0, "other")];
-}"""
 
 
 def annotations(field: Field) -> list[dict[str, Any]]:
@@ -294,8 +283,3 @@ def test_what_was_sent_stays_until_the_mission_on_the_phone_has_it(field: Field,
         api.delete(f"/annotations/{exit_[0][0]}").raise_for_status()
     wait_for_notes(page, [])
     context.close()
-
-
-def test_what_was_taken_off_before_the_phone_had_it_goes(field: Field, page: Page) -> None:
-    page.goto(f"{field.home}/static/logo.svg")
-    assert page.evaluate(KEPT) == [["a", "b"], ["a", "b"], ["b"], ["b"], [], [], ["c"]]

@@ -1,4 +1,4 @@
-"""Scripts of the phone that have a twin in Python, run in a browser on the vectors that both are held to."""
+"""Scripts of the phone alone in a browser: on the vectors that Python is held to, and what they keep."""
 
 from __future__ import annotations
 
@@ -14,6 +14,17 @@ from playwright.sync_api import Browser, Page
 from web.mount import mount_web
 
 VECTORS = Path(__file__).parents[1] / "vectors"
+KEPT = """async () => {
+  const { keepSent, sentBeyond } = await import("/static/phone/sent.js");
+  const now = (await import("/static/phone/reach.js")).now_s();
+  const ids = (has, later_s, mission_id = "m") => {
+    const notes = has.map((annotation_id) => ({ annotation_id }));
+    return sentBeyond({ mission_id, notes }, now + later_s).map(({ id }) => id);
+  };
+  const tell = (id, kind = "note", mission_id = "m") => keepSent({ id, kind, mission_id, body: {} });
+  tell("a"); tell("b"); tell("b"); tell("c", "note", "other"); tell("d", "victim");
+  return [ids([], 0), ids([], 4), ids(["a"], 0), ids([], 0), ids([], 30), ids([], 0), ids([], 0, "other")];
+}"""
 
 
 @pytest.fixture
@@ -40,3 +51,7 @@ def test_short_ids_are_those_of_the_server(page: Page) -> None:
     )
     assert made[0] == vectors["short_ids"]
     assert made[1] == [{"tagIds": row["tag_ids"], "trouble": row["trouble"]} for row in vectors["typed"]]
+
+
+def test_what_was_taken_off_before_the_phone_had_it_goes(page: Page) -> None:
+    assert page.evaluate(KEPT) == [["a", "b"], ["a", "b"], ["b"], ["b"], [], [], ["c"]]
