@@ -243,3 +243,15 @@ def test_an_unknown_name_is_refused_with_those_that_are_known():
         ConfigError, match=r"planning\.coordinate: no coordination is called 'auction'; known"
     ):
         coordination_of("auction")
+
+
+def test_an_old_goal_is_kept_for_a_little_less_unless_the_best_is_printed():
+    """Ways of 3 and 4 m; the robot is on its way to the farther one."""
+    view = view_from(Pose2(5.0, 4.0, 0.0), [(8.0, 4.0), (5.0, 7.6)])
+    kept = Team("r1", view, Nearest(), view.frontiers[1].goal_m)
+    assert Selfish().choose(kept) == 1
+
+    class Printed(Nearest):
+        takes_the_best = True
+
+    assert Selfish().choose(Team("r1", view, Printed(), view.frontiers[1].goal_m)) == 0

@@ -174,3 +174,10 @@ def test_a_tag_that_does_not_fall_is_told_of_and_tried_again_farther_and_farther
     assert dropper.drop_here(200.0)
     assert dropper.magazine(4, 300.2) == "fell"
     assert dropper.should_drop(201.0, HERE, NARROW, [])
+
+
+def test_a_tag_has_a_moment_to_fall():
+    dropper = TagDropper(DeploymentConfig(magazine=5), MAPPING, 0)
+    assert dropper.drop_here(1.0)
+    assert [dropper.magazine(5, now_s) for now_s in (0.0, 1.0, 2.5)] == [None] * 3
+    assert dropper.magazine(4, 2.8) == "fell"

@@ -8,7 +8,7 @@ import pytest
 from robots.exploration.told.claims import Claims
 from robots.exploration.told.survey import LATTICE_M
 from robots.planning.plan_grid import FREE, UNKNOWN, PlanGrid
-from robots.tags.marks import goal_mark, key_of
+from robots.tags.marks import VictimMark, goal_mark, key_of
 from robots.tags.memory import CLOSED, OPEN, UNSEEN, TagMemory
 
 ORIGIN = (-10.0, -10.0)
@@ -138,3 +138,11 @@ def test_where_others_went_is_told_and_not_where_this_robot_went():
     claims.hear("A", TagMemory(np.zeros((1, 1), np.uint8), passes=passes))
     promised = claims.survey(grid(), claims.tags({"A": (1.0, 1.0)}.get)).promised
     np.testing.assert_allclose(promised, [(4.0, -1.0)])
+
+
+def test_only_a_victim_that_a_tag_is_sure_of_is_known():
+    marks = (VictimMark(51, 3, 10, 0, 1), VictimMark(204, 3, 0, 20, 2))
+    claims = Claims()
+    claims.hear("A", TagMemory(np.zeros((1, 1), np.uint8), victims=marks))
+    (sure,) = claims.victims({"A": (1.0, 1.0)}.get)
+    assert (sure.x, sure.y) == (1.0, 3.0)

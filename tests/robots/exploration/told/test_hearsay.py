@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 
 from robots.exploration.told.claims import KnownTag
 from robots.exploration.told.hearsay import Hearsay
-from robots.tags.memory import CENTRED, CLOSED, OPEN, TagMemory, phase_of
+from robots.tags.memory import CENTRED, CLOSED, OPEN, TagMemory, centred_phase, phase_of
 
 
 def known(name: str, place: tuple[float, float], cells: np.ndarray, phase: int = CENTRED) -> KnownTag:
@@ -69,3 +69,11 @@ def test_told_on_and_heard_again_it_says_no_more(places, seed, corner):
     for tag in tags:
         phase = tag.memory.phase
         assert again.about(tag.place_m, phase) == first.about(tag.place_m, phase)
+
+
+def test_cells_of_another_size_are_not_told_on():
+    hearsay, cells = Hearsay(), np.full((3, 3), CLOSED)
+    coarse = centred_phase(2.0)
+    hearsay.draw([known("A", (0.0, 0.0), cells), known("B", (9.0, 0.0), cells, coarse)])
+    assert len(cells_of(hearsay.about((0.0, 0.0), CENTRED), (0.0, 0.0))) == 9
+    assert hearsay.about((0.0, 0.0), coarse) == TagMemory.empty()
