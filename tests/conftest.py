@@ -1,6 +1,6 @@
 """What tests all over the tree share: finite differences, a robot's log, and hypothesis made repeatable."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -19,6 +19,7 @@ from robots.types import (
     TagSighting,
     WheelEncoders,
 )
+from tests.loaded import servers_fork_from_one
 
 settings.register_profile(
     "waymark",
@@ -28,6 +29,12 @@ settings.register_profile(
     suppress_health_check=[HealthCheck.too_slow],  # timing never decides a test
 )
 settings.load_profile("waymark")
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _servers_fork_from_one() -> Iterator[None]:
+    yield from servers_fork_from_one()
+
 
 Vector = np.ndarray
 Jacobian = Callable[[Callable[[Vector], Vector], Vector], np.ndarray]
