@@ -30,7 +30,7 @@ _ACTIONS = {
     "report": 20, "send": 8, "reload": 5, "another": 2, "close": 2, "hand over": 6,
     "write into a tag": 5, "touch": 5, "robot reads a tag": 1,
 }  # fmt: skip
-_OF_A_MISSION = 200  # sequences: with thousands of notes every look at it takes a server longer
+_OF_A_MISSION = 100  # sequences: with thousands of notes every look at it takes a server longer
 _OWN_PAGE = "/phone"
 _CODES = re.compile(r"(WAYMARK1:[0-9a-f]+:\d+:\d+:)(.)(.*)")
 
@@ -68,7 +68,7 @@ def run(contexts: Sequence[Any], field: FieldOfTags, sequences: int, seed: int, 
         page: where the outboxes run; any of the server's, the phone's own takes longer to load.
 
     Raises:
-        TimeoutError: reports still wait a minute after the links have become sound.
+        TimeoutError: the links are sound, and for three minutes no report that waits has gone.
     """
     tally = Tally()
     script = "" if page == _OWN_PAGE else scripts(field.home)

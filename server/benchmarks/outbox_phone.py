@@ -17,7 +17,7 @@ from web.combine import combine
 MISSION = "field"
 _REPORTS = re.compile(r"/(reports/|photos\?)")
 _API = re.compile(r"/api/v1/")
-_SETTLES_S = 60.0
+_SETTLES_S = 180.0  # a photo is waited for two minutes
 # The outbox alone, begun where no page of the phone has begun it.
 _OUTBOX = f"""{OWN_MODULE}("/static/phone/outbox.js").then(async (outbox) => {{
   globalThis.begun ??= document.getElementById("page") ? null
@@ -33,7 +33,8 @@ _ADD = f"""async ([kind, {{ picture, ...body }}]) => {{
 _SEND = f"() => {_OUTBOX}.then(({{ sendNow }}) => void sendNow())"
 _SENT = f"() => {_OUTBOX}.then(({{ sendNow }}) => sendNow())"
 _KEPT = f"""{OWN_MODULE}("/static/phone/kept.js")"""
-_LEFT = f"""{_KEPT}.then(({{ keys }}) => keys("outbox")).then((all) => all.length)"""
+_LEFT = f"""{_KEPT}.then(({{ all }}) => all("outbox"))
+  .then((reports) => reports.map(({{ id, kind, refused }}) => `${{kind}} ${{id}} ${{refused}}`))"""
 _CODES = f"""() => {_OUTBOX}.then(async ({{ waiting }}) => {{
   const {{ framesOf }} = await {OWN_MODULE}("/static/phone/handover.js");
   return waiting().length ? framesOf(waiting()) : [];
@@ -201,12 +202,14 @@ class Phone:
         """Send until nothing waits any more, over a sound link.
 
         Raises:
-            TimeoutError: reports still wait after a minute.
+            TimeoutError: for three minutes not one of those that wait has gone.
         """
         self.link.share, self.link.has_signal = 0.0, True
-        until = time.monotonic() + _SETTLES_S
-        while self.page.evaluate(_LEFT):
-            if time.monotonic() > until:
-                raise TimeoutError("reports still wait though the link is sound")
+        since, before = time.monotonic(), None
+        while left := self.page.evaluate(_LEFT):
+            if len(left) != before:
+                since, before = time.monotonic(), len(left)
+            if time.monotonic() > since + _SETTLES_S:
+                raise TimeoutError(f"the link is sound, and {', '.join(left)} still wait")
             self.page.evaluate(_SENT)
             self.page.wait_for_timeout(100)

@@ -78,7 +78,7 @@ export async function touch(tagId, mission = null, isBack = false, told = null, 
   const mission_id = missionId();
   if (state.tagId !== tagId || !state.where) return;
   if (lastTag()?.tag === tagId) remember(LAST, { ...lastTag(), mission: mission_id });
-  if (own && own !== mission_id && !isOver(own)) changed({ elsewhere: keptOf(own)?.mission_name ?? own });
+  if (!isShownAgain && own && own !== mission_id && !isOver(own)) changed({ elsewhere: keptOf(own)?.mission_name ?? own });
   if (isNews) add("at", mission_id, { tag_id: tagId, ...came }, since_s).then(() => remember(LAST, { ...remembered(LAST), isTold: true }));
   const { askMemory } = await import("./memory_view.js");
   askMemory(mission_id, tagId);
