@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from math import hypot
 
@@ -18,7 +18,7 @@ from robots.exploration.manners.errands import Errands
 from robots.exploration.manners.giving_way import GivingWay
 from robots.exploration.manners.homing import Homing
 from robots.exploration.manners.recovery import Blocked, Recovery, place_ahead
-from robots.exploration.manners.shut_ways import SHUT, shut_off, squeezed
+from robots.exploration.manners.shut_ways import SHUT, shut_off
 from robots.exploration.manners.suspects import Suspects
 from robots.exploration.strategy import ExplorationView, PlansLocally
 from robots.exploration.team.communication import Communication
@@ -97,7 +97,8 @@ class Explorer:
 
     def plan_is_due(self, now_s: float) -> bool:
         """Say whether the next decision plans anew and so needs the map as it is now."""
-        every_s = _REST_RECHECK_S if self._rests() else self._config.planning.replan_every_s
+        rests = self._aim is not None and self._aim.kind == "rest"
+        every_s = _REST_RECHECK_S if rests else self._config.planning.replan_every_s
         return self._planned_s is None or now_s - self._planned_s >= every_s
 
     def decide(
@@ -155,10 +156,10 @@ class Explorer:
             return
         grid = self.grids.of(fused, self._blocked.discs(now_s))
         local = isinstance(self.goals.strategy, PlansLocally)
-        grid = self._grid = with_gaussian_costs(grid, self._config.planning.ziparo) if local else grid
-        ground = Ground.of(grid, pose)
-        if self.homing.is_shut(ground):
-            ground = self._squeezed(ground)
+        ground = Ground.of(with_gaussian_costs(grid, self._config.planning.ziparo) if local else grid, pose)
+        for narrower in self._narrower(ground, now_s) if self.homing.is_shut(ground) else ():
+            ground = narrower if self.homing.is_shut(ground) else ground
+        self._grid = ground.grid
         self._aim = self._giving_way.aim(now_s, ground) or self._next(now_s, ground, place_of)
         if self._aim.kind == "edge":
             self.homing.leave()
@@ -188,14 +189,17 @@ class Explorer:
         def choose(ground: Ground, edges: tuple[Frontier, ...]) -> Choice | None:
             return goals.choose(self._view(now_s, ground, goals.worth_going(edges, now_s), place_of))
 
-        left, choice = edges, choose(ground, edges)
+        choice = choose(ground, edges)
         if choice is None and self._blocked.clear():  # ground left alone is tried before giving up
             self._planned_s = None
             return self._aim or Aim("rest", "exploring", "looking for a way")
-        if choice is None:
-            ground = self._squeezed(ground)
-            left = self.errands.near(goals.edges(ground, shortest_m, now_s))
-            choice = choose(ground, (*left, *goals.untried(gaps(ground, shortest_m))))
+        left, tried, narrower = edges, [ground], self._narrower(ground, now_s)
+        while choice is None and (way := next(narrower, None)) is not None:
+            tried.append(way)
+            left = self.errands.near(goals.edges(way, shortest_m, now_s))
+            choice = choose(way, (*left, *goals.untried(gaps(way, shortest_m))))
+        ground = tried[-1] if choice is not None else tried[1]
+        self._grid = ground.grid
         if choice is None:
             doubted = unproved(ground, self._map, self.trail.points, self._config.mapping.miss_logodds)
             left, choice = (*left, *doubted), goals.look_at(doubted, now_s, BEHIND_GLASS)
@@ -229,10 +233,9 @@ class Explorer:
             settings=self._config.planning,
         )
 
-    def _squeezed(self, ground: Ground) -> Ground:
-        ground = squeezed(ground, self.trail.points)
-        self._grid = ground.grid
-        return ground
+    def _narrower(self, ground: Ground, now_s: float) -> Iterator[Ground]:
+        assert self._map is not None
+        return self.grids.narrower(ground, self._map, self._blocked.discs(now_s), self.trail.points)
 
     def _finish(self, ground: Ground, left: tuple[Frontier, ...], now_s: float) -> Aim:
         """Nothing is left to go to now: return to the base, out of the others' way."""
@@ -263,12 +266,9 @@ class Explorer:
         self.goals.put_aside(goal, now_s, hindered)
         self._arrived_s, self._planned_s = None, None
 
-    def _rests(self) -> bool:
-        return self._aim is not None and self._aim.kind == "rest"
-
     def _recover(self, now_s: float, pose: Pose2, bumped: bool) -> Decision | None:
         """Back off when driving leads nowhere, and put the place ahead aside for a while."""
-        if self._rests() or self._grid is None:
+        if self._aim is None or self._aim.kind == "rest" or self._grid is None:
             self._recovery.rest()
             return None
         backing = self._recovery.active

@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from dataclasses import replace
+
 from robots.config import AgentConfig
+from robots.exploration.ground import Ground
+from robots.exploration.manners.shut_ways import squeezed
 from robots.exploration.team.communication import Communication
 from robots.mapping.fused import FusedGrid
 from robots.planning.plan_grid import FREE, PlanGrid, PlanGrids
@@ -16,6 +21,10 @@ class SharedGrids:
         self.own = PlanGrids(config.body, config.planning, config.mapping)
         self.explored_m2 = 0.0
         self._shared = PlanGrids(config.body, config.planning, config.mapping)
+        narrowly = replace(
+            config.planning, cell_m=config.mapping.resolution_m, clearance_m=config.planning.clearance_m / 2.0
+        )
+        self._narrow = PlanGrids(config.body, narrowly, config.mapping)
         self._communication = communication
 
     def of(self, fused: FusedGrid, blocked: Array) -> PlanGrid:
@@ -23,3 +32,13 @@ class SharedGrids:
         grid, known = self.own.of(fused, blocked), self._communication.overlaid(fused)
         self.explored_m2 = float((grid.cells == FREE).sum()) * grid.cell_m**2
         return grid if known is fused else self._shared.of(known, blocked)
+
+    def narrower(self, ground: Ground, fused: FusedGrid, blocked: Array, trail: Array) -> Iterator[Ground]:
+        """Give the ground of a plan with ways that are narrower: where the robot drove before, then all gaps.
+
+        The last is in the map's own cells, with half of the room to obstacles: of cells as large as those of
+        ``of`` a door hardly wider than the body may have none in its middle. ``trail`` as in ``squeezed``.
+        """
+        yield squeezed(ground, trail)
+        narrow = self._narrow.of(self._communication.overlaid(fused), blocked)
+        yield squeezed(Ground.of(narrow, ground.pose), trail)
