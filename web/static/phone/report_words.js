@@ -1,6 +1,7 @@
 /** A report in one line. */
 
-import { language, say } from "./texts.js";
+import { language } from "./language.js";
+import { say } from "./texts.js";
 
 /** @import {Report} from "./outbox.js" */
 /** @typedef {import("./texts.js").Key} Key */

@@ -1,16 +1,17 @@
-/** What the server wrote into this page of the tag that it was opened at: words that need no second request. */
+/** What was written into this page of the tag that it was opened at, by the server or by the worker: words that need nothing else. */
 
-import { language } from "./texts.js";
+import { here } from "./address.js";
+import { language } from "./language.js";
 
-/** `as_of_s`: by the server's clock. @typedef {{language: string, as_of_s: number, where: import("./types.js").Where}} Told */
+/** @typedef {{title: string, text: string, warning: string}} Words */
+/** `as_of_s`: by the server's clock. @typedef {{language: string, as_of_s: number, words: Words, where: import("./types.js").Where}} Told */
 
-/**
- * @param {string} tagId
- * @returns {Told | null} null where the page came from this phone, was opened by somebody who may not know, or speaks otherwise
- */
-export function toldOf(tagId) {
+/** @returns {Told | null} null where there is nothing to say, or nothing for whoever asks, or it is said in another language */
+function find() {
   const text = document.getElementById("told")?.textContent;
   /** @type {Told | null} */
-  const told = text ? JSON.parse(text) : null;
-  return told?.where.tag_id === tagId && told.language === language() ? told : null;
+  const found = text ? JSON.parse(text) : null;
+  return found?.where.tag_id === here()[0] && found.language === language() ? found : null;
 }
+
+export const told = find();

@@ -26,7 +26,4 @@
 /** @typedef {{mission_id: string, mission_name: string, tag_id: string, sd_m: number, state: TagState, notice: string, text: string,
  *   victims: NearVictim[]}} Where */
 
-/** What a page has begun to read: the storage, how to open it again, and the missions in it.
- *  @typedef {{open: () => Promise<IDBDatabase>, first: Promise<IDBDatabase>, pockets: Promise<any[]>}} Early */
-
 export {};
