@@ -11,7 +11,8 @@ const loading = [...page.children];
 const element = (name, className, textContent) => Object.assign(document.createElement(name), { className, textContent });
 
 async function begin() {
-  if (told) {
+  const [how] = /** @type {PerformanceNavigationTiming[]} */ (performance.getEntriesByType("navigation"));
+  if (told && how?.type === "navigate") { // whoever only looks again may be elsewhere by now
     const { title, text, warning } = told.words;
     document.documentElement.lang = told.language;
     document.title = `${title} · Waymark`;

@@ -6,6 +6,7 @@ import { Guide } from "./guide.js";
 import { language } from "./language.js";
 import { loaded } from "./loaded.js";
 import { painted } from "./painted.js";
+import { whereText } from "./past.js";
 import { opened } from "./pockets.js";
 import { changed, onChange, state } from "./state.js";
 import { say } from "./texts.js";
@@ -23,10 +24,11 @@ function Page() {
   const { where } = state;
   const trouble = html`${state.trouble && html`<p class="trouble" role="alert">${state.trouble}</p>`}${rest && html`<${rest.Doubt} />`}
     ${state.odd && html`<p class="trouble" role="alert">${say("too_far", { ...state.odd, far: metres(state.odd.far_m), after: rounded(state.odd.after_s) })}</p>`}
+    ${where && state.elsewhere && html`<p class="trouble" role="alert">${say("tag_elsewhere", { mission: where.mission_name, own: state.elsewhere })}</p>`}
     ${state.said && html`<p role="status">${state.said}</p>`}`;
   if (!where) return html`<h1>${say("which_tag")}</h1>${trouble}${rest && html`<${rest.WhichTag} />`}`;
   const goal = target();
-  const { title, text, warning } = wordsOf(where);
+  const { title, text, warning } = wordsOf({ ...where, text: whereText(where) });
   return html`<h1>${title}</h1>
     ${trouble}
     ${goal && state.route && html`<${Guide} route=${state.route} to=${goal.to} />`}

@@ -1,8 +1,8 @@
 /** The missions on this phone: which one a tag belongs to, and getting the newest of each while the server is in reach. */
 
-import { byLikelihood, isParsed, missionWith, pocketOf } from "./carried.js";
+import { byLikelihood, isParsed, missionsWith, pocketOf } from "./carried.js";
 import { all, drop, put } from "./kept.js";
-import { ask, missionPath, now_s, read } from "./reach.js";
+import { asOf, ask, missionPath, read } from "./reach.js";
 
 /** @import {Pocket} from "./types.js" */
 /** @import {Kept} from "./carried.js" */
@@ -26,8 +26,17 @@ export function missions() {
   return [...kept.values()].sort(byLikelihood);
 }
 
-/** @param {string} tagId @param {string | null} missionId only this one, if told @returns {Kept | null} */
-export const missionOf = (tagId, missionId) => missionWith([...kept.values()], tagId, missionId);
+/**
+ * The mission that a tag is of.
+ * @param {string} tagId
+ * @param {string | null} missionId only this one, if told
+ * @param {string} own the one that this phone is in, which is meant before all others unless it is over
+ * @returns {Kept | null}
+ */
+export function missionOf(tagId, missionId, own) {
+  const able = missionsWith([...kept.values()], tagId, missionId);
+  return able.find(({ mission_id }) => mission_id === own && !isOver(own)) ?? able[0] ?? null;
+}
 
 /** @param {string} missionId */
 export const keptOf = (missionId) => kept.get(missionId) ?? null;
@@ -52,7 +61,7 @@ async function newest(missionId) {
   const have = Object.values(known?.parts ?? {}).join(); // what has not changed is not sent again
   const response = await ask("GET", `${missionPath(missionId)}/pocket?have=${have}`, { headers });
   if (response?.status === 304 && known) {
-    await keep({ ...known, as_of_s: now_s() });
+    await keep({ ...known, as_of_s: asOf(response) });
     return "same";
   }
   if (!response?.ok) return "failed";
@@ -63,7 +72,7 @@ async function newest(missionId) {
     const text = JSON.stringify(pocket);
     isParsed(text, pocket);
     const { mission_id, mission_name, state, created_unix_s, parts, tags } = pocket;
-    await keep({ mission_id, mission_name, state, created_unix_s, etag: response.headers.get("ETag") ?? "", parts, text, as_of_s: now_s(),
+    await keep({ mission_id, mission_name, state, created_unix_s, etag: response.headers.get("ETag") ?? "", parts, text, as_of_s: asOf(response),
       tag_ids: tags.map(({ tag_id }) => tag_id) });
     return "new";
   } catch {

@@ -6,12 +6,27 @@ import { language } from "./language.js";
 /** @typedef {{title: string, text: string, warning: string}} Words */
 /** `as_of_s`: by the server's clock. @typedef {{language: string, as_of_s: number, words: Words, where: import("./types.js").Where}} Told */
 
-/** @returns {Told | null} null where there is nothing to say, or nothing for whoever asks, or it is said in another language */
+/** The mission of the tag before, as touch.js remembers it. */
+function lastMission() {
+  try {
+    return JSON.parse(localStorage.getItem("waymark.last") ?? "null")?.mission;
+  } catch {
+    return ""; // nothing can be read here
+  }
+}
+
+/**
+ * @returns {Told | null} null where there is nothing to say, or nothing for whoever asks, where it is said in another language, or of
+ *   another mission than the one this phone is in, and no link named it
+ */
 function find() {
   const text = document.getElementById("told")?.textContent;
   /** @type {Told | null} */
   const found = text ? JSON.parse(text) : null;
-  return found?.where.tag_id === here()[0] && found.language === language() ? found : null;
+  const [tagId, mission] = here();
+  if (found?.where.tag_id !== tagId || found.language !== language()) return null;
+  const { mission_id } = found.where;
+  return [lastMission() || mission_id, mission].includes(mission_id) ? found : null;
 }
 
 export const told = find();
