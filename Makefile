@@ -24,8 +24,8 @@ setup: $(DONE)/python $(DONE)/web $(DONE)/kernels  ## Create .venv with everythi
 run: setup  ## Open a mission of four simulated robots at http://127.0.0.1:8000; ARGS go to `waymark demo`.
 	@$(BIN)/waymark demo $(ARGS)
 
-test: setup  ## Run all tests, a file at a time on each core; ARGS go to pytest.
-	@$(BIN)/python -m pytest -n logical --maxprocesses 4 --dist loadfile $(ARGS)
+test: setup  ## Run all tests, a file at a time in each of a few processes; ARGS go to pytest.
+	@$(BIN)/python -m pytest -n logical --maxprocesses 4 --dist loadfile --no-loadscope-reorder $(ARGS)
 
 lint: setup  ## Check style (ruff), types (mypy) and the pages' scripts (tsc).
 	$(BIN)/ruff check .

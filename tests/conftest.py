@@ -1,6 +1,8 @@
 """What tests all over the tree share: finite differences, a robot's log, and hypothesis made repeatable."""
 
-from collections.abc import Callable
+import os
+from collections import Counter
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -19,6 +21,7 @@ from robots.types import (
     TagSighting,
     WheelEncoders,
 )
+from tests.loaded import servers_fork_from_one
 
 settings.register_profile(
     "waymark",
@@ -28,6 +31,32 @@ settings.register_profile(
     suppress_health_check=[HealthCheck.too_slow],  # timing never decides a test
 )
 settings.load_profile("waymark")
+
+
+def pytest_xdist_auto_num_workers() -> int:
+    """One more than there are processors: stories wait, for pages and for servers."""
+    return len(os.sched_getaffinity(0)) + 1
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Workers get files with a browser among the others, evenly, and short ones last."""
+    if not hasattr(config, "workerinput"):
+        return
+    in_browser = {item.path for item in items if "browser" in getattr(item, "fixturenames", ())}
+    files = sorted({item.path for item in items}, key=lambda path: (-path.stat().st_size, path))
+    of_kind, seen = Counter(path in in_browser for path in files), Counter[bool]()
+    turn = {}
+    for path in files:
+        kind = path in in_browser
+        turn[path] = (seen[kind] + 0.5) / of_kind[kind]
+        seen[kind] += 1
+    items.sort(key=lambda item: (turn[item.path], item.path))
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _servers_fork_from_one() -> Iterator[None]:
+    yield from servers_fork_from_one()
+
 
 Vector = np.ndarray
 Jacobian = Callable[[Callable[[Vector], Vector], Vector], np.ndarray]

@@ -142,21 +142,8 @@ class ForkServer:
 
     def _launch(self) -> None:
         ours, theirs = socket.socketpair()
-        code = (
-            f"import sys; sys.path[:] = {sys.path!r}; "
-            f"from server.agents.forkserver import main; main({theirs.fileno()}, *{self._modules!r})"
-        )
-        # A session of its own: Ctrl-C in the terminal reaches the server only. One BLAS thread: threads do
-        # not survive a fork.
         with theirs:
-            self._process = subprocess.Popen(
-                [sys.executable, "-c", code],
-                stdin=subprocess.DEVNULL,
-                stdout=subprocess.DEVNULL,
-                pass_fds=[theirs.fileno()],
-                start_new_session=True,
-                env={**os.environ, "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"},
-            )
+            self._process = begin(theirs.fileno(), *self._modules)
         ours.setblocking(False)
         self._control = ours
 
@@ -192,6 +179,28 @@ class ForkServer:
             except subprocess.TimeoutExpired:  # still loading
                 process.kill()
                 await asyncio.to_thread(process.wait)
+
+
+def begin(control_fd: int, agent_module: str, team_module: str) -> subprocess.Popen[bytes]:
+    """Start the process that loads both modules and then forks a worker for every request on a socket."""
+    return python(
+        f"from server.agents.forkserver import main; main({control_fd}, {agent_module!r}, {team_module!r})",
+        control_fd,
+    )
+
+
+def python(code: str, control_fd: int) -> subprocess.Popen[bytes]:
+    """Run code that needs a socket in a process to fork from."""
+    # A session of its own: Ctrl-C in the terminal reaches the server only. One BLAS thread: threads do not
+    # survive a fork.
+    return subprocess.Popen(
+        [sys.executable, "-c", f"import sys; sys.path[:] = {sys.path!r}; {code}"],
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.DEVNULL,
+        pass_fds=[control_fd],
+        start_new_session=True,
+        env={**os.environ, "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"},
+    )
 
 
 def _discard(spawning: asyncio.Task[Worker]) -> None:

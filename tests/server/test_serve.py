@@ -24,30 +24,23 @@ from server.settings import Settings
 @pytest.fixture
 def served(tmp_path, wait_until):
     """`waymark serve` as a process with two agents and a team map; what it started is ended at the end."""
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
     code = "from server.cli.main import app; app()"
-    words = [
-        sys.executable,
-        "-c",
-        code,
-        "serve",
-        "--port",
-        str(port),
-        "--data",
-        str(tmp_path),
-        "--login",
-        "off",
-    ]
+    words = [sys.executable, "-c", code, "serve", "--port", "0", "--login", "off", "--data"]
     environment = os.environ | {"WAYMARK_REPLY_S": "60"}  # the machine may have other things to do
     process = subprocess.Popen(
-        words, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, env=environment
+        [*words, str(tmp_path / "new" / "data")],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=environment,
     )
     family = []
     try:
-        with httpx.Client(base_url=f"http://127.0.0.1:{port}/api/v1", timeout=90) as client:
-            wait_until(lambda: process.poll() is not None or _answers(client))
+        line = process.stdout.readline()
+        assert line.startswith("Waymark is opening at http://127.0.0.1:")
+        url = line.split()[4]
+        with httpx.Client(base_url=f"{url}/api/v1", timeout=90) as client:
+            wait_until(lambda: process.poll() is not None or _answers(client), 180.0)
             client.post("/missions", json={"name": "M", "mission_id": "m"})
             for robot_id in ("r1", "r2"):
                 client.post("/missions/m/robots", json={"robot_id": robot_id})
@@ -57,7 +50,7 @@ def served(tmp_path, wait_until):
                 )
             family = psutil.Process(process.pid).children(recursive=True)
             assert len(family) >= 3  # who forks, and the agents
-            yield process, family
+            yield process, family, url
     finally:
         for member in [*family, process]:
             if _lives(member.pid):
@@ -80,26 +73,19 @@ def _lives(pid):
 
 
 @pytest.mark.parametrize("sent", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL], ids=lambda sent: sent.name)
-def test_no_process_is_left_behind(served, wait_until, sent):
-    process, family = served
+def test_no_process_is_left_behind_and_what_was_answered_is_in_the_past(served, tmp_path, wait_until, sent):
+    process, family, url = served
+    note = f"{url}/api/v1/missions/m/annotations/{uuid4()}"
+    words = {"kind": "note", "text": "gas", "x_m": 1.0, "y_m": 2.0}
+    assert httpx.put(note, json=words).is_success
     process.send_signal(sent)
     _, errors = process.communicate(timeout=60)
     wait_until(lambda: not any(_lives(member.pid) for member in family))
     assert process.returncode == {"SIGINT": 130, "SIGTERM": 143, "SIGKILL": -9}[sent.name]
     assert "Traceback" not in errors
 
-
-def test_what_was_answered_is_in_the_past_of_a_server_that_was_killed(served, tmp_path):
-    process, _ = served
-    port = process.args[process.args.index("--port") + 1]
-    note = f"http://127.0.0.1:{port}/api/v1/missions/m/annotations/{uuid4()}"
-    words = {"kind": "note", "text": "gas", "x_m": 1.0, "y_m": 2.0}
-    assert httpx.put(note, json=words).is_success
-    process.kill()
-    process.wait()
-
     async def state():
-        store = await Store.open(tmp_path / "waymark.db")
+        store = await Store.open(tmp_path / "new" / "data" / "waymark.db")
         found = await Past(store, "m").state_at(time.time())
         await store.close()
         return found[1]

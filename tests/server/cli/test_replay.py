@@ -2,7 +2,6 @@
 
 import json
 from http.server import BaseHTTPRequestHandler, HTTPServer
-from pathlib import Path
 from threading import Thread
 
 import numpy as np
@@ -11,8 +10,6 @@ import pytest
 from robots.se2 import Pose2
 from robots.tum import read_tum
 from server.cli.main import run
-
-DATA = Path(__file__).parents[4] / "shared" / "data"
 
 
 @pytest.fixture(scope="module")
@@ -272,13 +269,3 @@ def test_the_speed_is_kept_and_a_second_call_goes_on(recording, control, capsys)
     shown = capsys.readouterr()
     assert json.loads(shown.out)["posted"] == 0
     assert "r1 goes on at observation 104" in shown.err
-
-
-@pytest.mark.data
-@pytest.mark.slow
-@pytest.mark.skipif(not DATA.exists(), reason="the Intel recording is not part of the project")
-def test_the_real_day_is_as_exact_as_promised(tmp_path, capsys):
-    files = [str(DATA / "intel_raw_2726.npz"), "--relations", str(DATA / "intel.relations")]
-    assert run(["replay", "intel", *files, "--virtual-tags", "2", "--out", str(tmp_path), "--json"]) == 0
-    result = json.loads(capsys.readouterr().out)
-    assert result["relations_m"]["r1"] <= 0.15

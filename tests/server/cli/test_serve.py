@@ -94,18 +94,6 @@ def get(url: str) -> dict:
         return json.loads(reply.read())
 
 
-def test_serve_opens_where_it_says_and_ends_on_ctrl_c(start, tmp_path):
-    process = start("serve", "--port", "0", "--data", str(tmp_path / "new" / "data"))
-    line = process.first_line()
-    assert line.startswith("Waymark is opening at http://127.0.0.1:")
-    url = line.split()[4]
-    process.until(lambda: get(f"{url}/api/v1/health")["status"] == "ok")
-    assert (tmp_path / "new" / "data" / "waymark.db").exists()
-    assert process.end(signal.SIGINT) in (0, 130)
-    assert process.left_behind() == []
-    assert "Traceback" not in process.errors.read_text()
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("by", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
 def test_demo_opens_a_mission_and_leaves_nothing_behind(start, tmp_path, by):
