@@ -2,7 +2,7 @@
 
 import { newId } from "../console/note_kinds.js";
 import { all, drop, put } from "./kept.js";
-import { ask, missionPath, onReach, reach, reasonOf } from "./reach.js";
+import { asOf, ask, askWho, missionPath, onReach, reach, reasonOf } from "./reach.js";
 import { keepSent } from "./sent.js";
 
 /** `n`: in which order they were made; `is_carried`: taken over from another phone; `refused`: why the server will not have it,
@@ -52,6 +52,7 @@ export async function openOutbox() {
   let was = reach.inReach;
   onReach(() => {
     if (reach.inReach && !was) sendNow();
+    if (reach.inReach && !was && !reach.me) askWho(); // what is written has to be signed
     was = reach.inReach;
   });
   setInterval(() => sendNow(), LOOK_EVERY_MS);
@@ -159,7 +160,7 @@ async function send(report, longest_ms) {
   const response = await request(report);
   const isHelp = report.kind === "mayday"; // what is written meanwhile is not waited for
   if (response?.ok) {
-    keepSent(report);
+    keepSent(report, asOf(response));
     const gone = forget(report.id);
     changed();
     if (!isHelp) await gone;
