@@ -1,9 +1,9 @@
 """From what a person's device hears of nodes to ranges, as ``locating.py`` takes them.
 
 The model is the robots' (``model.py``). A phone is another receiver, of unknown gain, held otherwise by
-everybody: what it hears is off by the same dB for all nodes. What robots' RSLAM has learnt (scale, offsets) is
-for ranges in metres alone: by signal it holds the gain of their receiver and what walls took, which the plan
-counts already.
+everybody: what it hears is off by the same dB for all nodes. What robots' RSLAM has learnt (scale, offsets)
+is for ranges in metres alone: by signal it holds the gain of their receiver and what walls took, which the
+plan counts already.
 """
 
 from __future__ import annotations
