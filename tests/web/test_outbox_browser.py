@@ -26,6 +26,10 @@ ADD = """async (all) => {
   const { add } = await OWN("/static/phone/outbox.js");
   for (const [kind, body] of all) await add(kind, "field", body);
 }""".replace("OWN", OWN_MODULE)
+PHOTO = """async () => {
+  const { add } = await OWN("/static/phone/outbox.js");
+  add("photo", "field", { tag_id: "T0", text: "", picture: new Blob(["x"], { type: "image/jpeg" }) });
+}""".replace("OWN", OWN_MODULE)
 SESSION = """([method, words]) => fetch("/api/v1/session", {
   method, body: words && JSON.stringify(words), headers: words ? { "Content-Type": "application/json" } : {},
 })"""
@@ -118,6 +122,17 @@ def test_the_most_important_goes_first_and_the_server_refuses_in_words(
     expect(page.get_by_text("The server cannot read it.")).to_contain_text("tag_id")
     page.get_by_role("button", name="Throw it away").click()
     expect(page.get_by_role("button", name="waits to be sent")).to_have_count(0)
+
+
+def test_no_word_waits_for_a_photo_that_does_not_go_out(
+    home: str, client: httpx.Client, context: BrowserContext
+) -> None:
+    page = opened(context, home)
+    page.route("**/photos?*", lambda route: None)  # never answered
+    with page.expect_request("**/photos?*"):
+        page.evaluate(PHOTO)
+    page.evaluate(ADD, [note("gas", "hazard")])
+    assert [report["body"]["text"] for report in reports(client, 1)] == ["gas"]
 
 
 def test_a_full_storage_is_said_and_nothing_is_lost_while_the_page_is_open(

@@ -21,10 +21,11 @@ const URGENCY = { mayday: 0, heard: 1, victim: 2, hazard: 3, note: 4, searched: 
 const reports = new Map();
 /** @type {(() => void)[]} */
 const watchers = [];
-/** A sender each, so that no photo and no storage that is slow stands before a call for help. */
+/** A sender each, so that no photo stands before a word, and neither they nor a storage that is slow before a call for help. */
 const LANES = [
-  { isForHelp: true, isSending: false, timer: 0, longest_ms: 4000 },
-  { isForHelp: false, isSending: false, timer: 0, longest_ms: 60_000 },
+  { of: "mayday", isSending: false, timer: 0, longest_ms: 4000 },
+  { of: "word", isSending: false, timer: 0, longest_ms: 60_000 },
+  { of: "photo", isSending: false, timer: 0, longest_ms: 60_000 },
 ];
 /** @typedef {typeof LANES[0]} Lane */
 
@@ -137,7 +138,7 @@ async function flushLane(lane) {
 }
 
 /** @param {Lane} lane */
-const of = ({ isForHelp }) => waiting().filter(({ kind }) => (kind === "mayday") === isForHelp);
+const of = (lane) => waiting().filter(({ kind }) => (kind === "mayday" || kind === "photo" ? kind : "word") === lane.of);
 
 /** @param {Lane} lane */
 const due = (lane) => of(lane).find(({ refused, due_ms }) => !refused && due_ms <= Date.now());
