@@ -2,7 +2,8 @@
 
 A snapshot is a pickle that may name nothing but this package's classes, numpy's arrays and generators, and
 plain containers, so a damaged or foreign file can fail but not run code. It is good for the very program
-that took it: what an object holds changes with its class, and the log is always there.
+that took it: what an object holds changes with its class, and the log is always there. The same state has
+the same bytes, so it holds no sets: how one is ordered depends on the process.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from typing import Any, TypeVar
 
 T = TypeVar("T")
 
-_BUILTINS = ("set", "frozenset", "list", "dict", "tuple", "bytearray", "complex", "slice", "range", "object")
+_BUILTINS = ("list", "dict", "tuple", "bytearray", "complex", "slice", "range", "object")
 _PLAIN = {("builtins", name) for name in _BUILTINS} | {
     ("collections", "deque"),
     ("collections", "OrderedDict"),

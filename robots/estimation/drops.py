@@ -35,7 +35,7 @@ class Drops:
         self._walk = config.odometry.distance_sd_per_sqrt_m
         self._left: int | None = None
         self._drops: list[_Drop] = []
-        self._known: set[str] = set()
+        self._known: dict[str, None] = {}
 
     def follow(self, tags_left: int | None, local_from_base: Pose2, driven_m: float) -> None:
         """Note a drop here where the magazine holds fewer tags than before."""
@@ -49,7 +49,7 @@ class Drops:
         """Return where a tag heard for the first time was dropped, in the base frame; None where unknown."""
         if sighting.tag_id in self._known:
             return None
-        self._known.add(sighting.tag_id)
+        self._known[sighting.tag_id] = None
         fits = [each for each in self._drops if _fits(sighting, local_from_base, each)]
         if len(fits) != 1:
             return None

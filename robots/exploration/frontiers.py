@@ -8,7 +8,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from robots.planning.plan_grid import FREE, UNKNOWN, PlanGrid
+from robots.planning.plan_grid import FREE, OCCUPIED, UNKNOWN, PlanGrid
 from robots.planning.travel import UNREACHED
 
 
@@ -42,12 +42,12 @@ def find_frontiers(grid: PlanGrid, costs: NDArray[np.int32], min_length_m: float
     """Return the frontiers of at least ``min_length_m`` that can be reached, nearest first.
 
     A frontier's cells are free and touch unknown cells; where the body does not fit right up to them, the
-    goal is the nearest cell that it can reach within ``_APPROACH`` cells.
+    goal is the nearest cell within ``_APPROACH`` cells that it can reach and see them from.
     """
     labels, count = _label(grid.cells)
     if count == 0:
         return ()
-    sizes, best_cost, best_row, best_column = _nearest_access(labels, count, costs)
+    sizes, best_cost, best_row, best_column = _nearest_access(grid.cells, labels, count, costs)
     frontiers = []
     for k in range(count):
         length = float(sizes[k]) * grid.cell_m
@@ -67,7 +67,7 @@ def find_shut_off(
     labels, count = _label(grid.cells)
     if count == 0:
         return ()
-    sizes, best_cost, _, _ = _nearest_access(labels, count, costs)
+    sizes, best_cost, _, _ = _nearest_access(grid.cells, labels, count, costs)
     shut_off = []
     for k in np.flatnonzero((best_cost == UNREACHED) & (sizes * grid.cell_m >= min_length_m)):
         cells = np.argwhere(labels == k)
@@ -123,7 +123,7 @@ def _label(cells: NDArray[np.uint8]) -> tuple[NDArray[np.int32], int]:
 
 @njit(cache=True)
 def _nearest_access(
-    labels: NDArray[np.int32], count: int, costs: NDArray[np.int32]
+    cells: NDArray[np.uint8], labels: NDArray[np.int32], count: int, costs: NDArray[np.int32]
 ) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.int32], NDArray[np.int32]]:
     rows, columns = labels.shape
     sizes = np.zeros(count, np.int32)
@@ -136,11 +136,13 @@ def _nearest_access(
             if k < 0:
                 continue
             sizes[k] += 1
-            for reach in range(_APPROACH + 1):  # the cell itself, else the nearest ring with a reachable one
+            for reach in range(_APPROACH + 1):  # the cell itself, else the nearest ring with one to look from
                 found = False
                 for y in range(max(0, r - reach), min(rows, r + reach + 1)):
                     for x in range(max(0, c - reach), min(columns, c + reach + 1)):
                         if max(abs(y - r), abs(x - c)) != reach or costs[y, x] == UNREACHED:
+                            continue
+                        if not _is_open_between(cells, r, c, y, x):
                             continue
                         found = True
                         if costs[y, x] < best[k]:
@@ -148,3 +150,13 @@ def _nearest_access(
                 if found:
                     break
     return sizes, best, best_row, best_column
+
+
+@njit(cache=True)
+def _is_open_between(cells: NDArray[np.uint8], r: int, c: int, y: int, x: int) -> bool:
+    """Whether no obstacle lies on the straight line between two cells: through a wall nothing is seen."""
+    count = max(abs(y - r), abs(x - c))
+    for k in range(1, count):
+        if cells[r + round(k * (y - r) / count), c + round(k * (x - c) / count)] == OCCUPIED:
+            return False
+    return True

@@ -104,7 +104,7 @@ class Scout:
         self._dropper = TagDropper(config.deployment, config.mapping, (config.seed, own, 2))
         self._witness = Witness(robot_id, config.planning.min_frontier_m, config.planning.tag_cell_m)
         self._hearsay = Hearsay()
-        self._to_tell: set[str] = set()  # tags that said something since what they say was drawn
+        self._to_tell: dict[str, None] = {}  # tags that said something since what they say was drawn
         self._local: LocalGrid | None = None
         self.decision = Decision(0.0, 0.0, "starting", "waiting for the first scan")
         self.frontiers: tuple[FrontierReport, ...] = ()
@@ -175,7 +175,8 @@ class Scout:
         if now.read and now.tag_sd_m == 0.0:
             tags = self.explorer.claims.tags(now.tag_place, sorted(self._to_tell))
             self._hearsay.draw(tags)
-            self._to_tell.difference_update(tag.tag_id for tag in tags)
+            for tag in tags:
+                self._to_tell.pop(tag.tag_id, None)
         return Intent(self.decision, drop, self._writes(now), say, doubts)
 
     def _with_local_map(self, now: Situation) -> Situation:
@@ -223,7 +224,7 @@ class Scout:
         if says.trusted:
             claims, place = self.explorer.claims, now.tag_place(sighting.tag_id)
             claims.hear(sighting.tag_id, says.memory, now.stamp_s, now.tag_sd_m)
-            self._to_tell.add(sighting.tag_id)
+            self._to_tell[sighting.tag_id] = None
             if place is not None:
                 claims.reach_m = max(claims.reach_m, hypot(place[0] - now.pose.x, place[1] - now.pose.y))
 

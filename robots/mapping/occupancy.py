@@ -38,12 +38,15 @@ def cast_scan(
     """Add one scan, taken at (x, y, theta) in the grid's frame, to the grid in place.
 
     Every cell changes at most once a scan: cells with a hit by ``hit``, cells crossed by a beam by ``-miss``.
-    Far readings clear with half the weight, because glass and smoke return them too, and nothing that a body
-    felt. ``touched`` (same shape, int32, 0 at first) holds four times the ``mark`` of the last scan that
+    Far readings come from glass, smoke and beams that slide off a wall too. They clear with half the weight,
+    no further than to be told from the unknown, nothing that a body felt, and end at what stood there till
+    now, which they wear down slowly: a wall behind a pane stays, what has walked away does not.
+    ``touched`` (same shape, int32, 0 at first) holds four times the ``mark`` of the last scan that
     changed a cell, 1 more once a beam that came back crossed or ended in it (see ``proved``), 2 more where
     something was felt.
     """
     rows, columns = grid.shape
+    freest = -2 * miss  # by far readings alone
     for i in range(ranges.shape[0]):  # hits first: they take precedence over beams that graze the same cell
         r = float(ranges[i])
         if not isfinite(r) or r >= range_max - 1e-3 or r >= limit or r <= 0.02:
@@ -81,7 +84,14 @@ def cast_scan(
                 if before >> 2 == mark:
                     if back:
                         touched[w, c] = before | back
-                elif not far or before & _FELT == 0:
+                elif far:
+                    stands = grid[w, c] >= hit
+                    if before & _FELT == 0 and grid[w, c] > freest:
+                        grid[w, c] = max(freest, grid[w, c] - (1 if stands else weight))
+                        touched[w, c] = 4 * mark | before & 3
+                    if stands:
+                        break  # more likely a mirror or a pane before it than that it has gone
+                else:
                     grid[w, c] = max(-bound, grid[w, c] - weight)
                     touched[w, c] = 4 * mark | before & 3 | back
             if next_x < next_y:

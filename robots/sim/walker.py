@@ -107,6 +107,11 @@ class Walker:
         self.arrived = False
         self._life = self._live()
 
+    @property
+    def reckoned_m(self) -> tuple[float, float]:
+        """Where they think they are: metres north and west of the tag read last, by their compass."""
+        return self._reckoned
+
     def advance(self) -> bool:
         """Walk for a tick; return whether there is more to do."""
         self._ticks += 1

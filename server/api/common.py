@@ -37,6 +37,9 @@ async def all_missions(request: Request) -> Missions:
 AllMissions = Annotated[Missions, Depends(all_missions)]
 
 
+AS_OF = "Waymark-As-Of"
+"""Header: a Unix time of the server's. A file of then or before may lack what was taken until then; a later
+one without it says that it was taken off again."""
 ON_ONE_THAT_IS_OVER = {
     "start_mission", "pause_mission", "close_mission", "archive_mission", "reopen_mission",
     "stop_robots", "resume_robots", "order_evacuation", "end_evacuation", "acknowledge_evacuation",

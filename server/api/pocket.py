@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 from fastapi import APIRouter, Header, Query, Response
 
-from server.api.common import ERRORS, READS, OneMission
+from server.api.common import AS_OF, ERRORS, READS, OneMission
 from server.people.audit import AuditedRoute
 from server.schemas.pocket import PocketOut
 
@@ -39,9 +39,11 @@ async def get_pocket(
     each hazard within 2 m; `ends` of what is looked for are the tags from which it is in sight, with the
     centimetres still to go. `parts` names the two that are large: `ground`, which is `tags` and `ways`, and
     `plan`, which is `map`; who has one under that name, says so in `have`, and is not sent it again.
+    The header `Waymark-As-Of` says, also of what you have, as of when it is the latest, in Unix seconds.
     """
-    pack = await mission.pocket.pack()
+    pack, as_of_unix_s = await mission.pocket.pack()
     headers = {"ETag": pack.etag, "Cache-Control": "no-cache", "Vary": "Accept-Encoding"}
+    headers[AS_OF] = f"{as_of_unix_s:.3f}"
     if if_none_match is not None and pack.etag in [tag.strip() for tag in if_none_match.split(",")]:
         return Response(status_code=304, headers=headers)
     known = frozenset(have.split(","))

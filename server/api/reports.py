@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import time
 from typing import Annotated
 from uuid import UUID
 
 from fastapi import APIRouter, Query, Response
 
 from db.reports import ReportRecord
-from server.api.common import ERRORS, READS, OneMission, TheChange, Viewer
+from server.api.common import AS_OF, ERRORS, READS, OneMission, TheChange, Viewer
 from server.errors import ApiError
 from server.people.audit import AuditedRoute
 from server.schemas.reports import ReportIn, ReportOut, ReportsOut
@@ -50,6 +51,7 @@ async def put_report(
         mission.lifecycle.check_open()
     record, is_new = await mission.reports.take(report_id, body, by.name)
     change.subject = f"{record.kind} {record.report_id}"
+    response.headers[AS_OF] = f"{time.time():.3f}"
     if not is_new:
         response.status_code = 200
     return _out(record)

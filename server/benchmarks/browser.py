@@ -24,13 +24,13 @@ class CannotMeasureError(RuntimeError):
 
 
 @contextmanager
-def server_process(data: str | None = None) -> Iterator[str]:
+def server_process(data: str | None = None, login: str = "off") -> Iterator[str]:
     """Serve a mission control in a process of its own, an empty one without ``data``; its address."""
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]
     with tempfile.TemporaryDirectory(prefix="waymark-bench-") as folder:
-        arguments = ["serve", "--port", str(port), "--data", data or folder, "--login", "off"]
+        arguments = ["serve", "--port", str(port), "--data", data or folder, "--login", login]
         server = subprocess.Popen(
             [sys.executable, "-m", "server.cli.main", *arguments],
             stdout=subprocess.DEVNULL,

@@ -1,45 +1,38 @@
-"""Reports over a link that fails in every way: whether each arrives, and no more than once.
+"""Reports over links that fail in every way, from phone to phone and through tags: each once, none lost.
 
-A real browser runs the phone's own outbox against a real server. Requests are dropped on the way there or the
-way back, answered with 503, sent twice; pages are reloaded, closed and opened twice at once in the middle.
+A real browser runs the outboxes of two phones against a real server. Requests are dropped on the way there
+or the way back, answered with 503, sent twice; pages are reloaded, closed and opened twice at once in the
+middle. A phone without signal hands its reports to the other by codes, some of which are missed or misread,
+and sends them too once it is in reach. Words are left in tags' chips as well, some torn off halfway, and
+brought home by phones and a robot.
 """
 
 from __future__ import annotations
 
 import base64
 import io
-import json
 import random
 import re
-import time
-import urllib.request
+import tempfile
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 from PIL import Image
 
-from robots.client import RobotClient
-from server.benchmarks.browser import OWN_MODULE, chromium, server_process
+from server.benchmarks.browser import chromium, server_process
+from server.benchmarks.outbox_field import MAPPED, PEOPLE, FieldOfTags, links
+from server.benchmarks.outbox_phone import Link, Phone, scripts
 
-MISSION = "field"
-# The outbox alone, begun where no page of the phone has begun it.
-_OUTBOX = f"""{OWN_MODULE}("/static/phone/outbox.js").then(async (outbox) => {{
-  globalThis.begun ??= document.getElementById("page") ? null : outbox.openOutbox();
-  await globalThis.begun;
-  return outbox;
-}})"""
-_ADD = f"""async ([kind, {{ picture, ...body }}]) => {{
-  const bytes = Uint8Array.from(atob(picture ?? ""), (letter) => letter.charCodeAt(0));
-  if (picture) body.picture = new Blob([bytes], {{ type: "image/jpeg" }});
-  return {_OUTBOX}.then(({{ add }}) => add(kind, '{MISSION}', body)).then(({{ id }}) => id);
-}}"""
-_SEND = f"() => {_OUTBOX}.then(({{ sendNow }}) => void sendNow())"
-_SENT = f"() => {_OUTBOX}.then(({{ sendNow }}) => sendNow())"
-_LEFT = 'import("/static/phone/kept.js").then(({ keys }) => keys("outbox")).then((all) => all.length)'
-_SETTLES_S = 60.0
-_MAPPED = 5  # tags T0 to T4 are on the map, of T5 to T9 nobody knows
-_REPORTS = re.compile(r"/(reports/|photos\?)")
+_ACTIONS = {
+    "report": 20, "send": 8, "reload": 5, "another": 2, "close": 2, "hand over": 6,
+    "write into a tag": 5, "touch": 5, "robot reads a tag": 1,
+}  # fmt: skip
+_OF_A_MISSION = 100  # sequences: with thousands of notes every look at it takes a server longer
+_OWN_PAGE = "/phone"
+_CODES = re.compile(r"(WAYMARK1:[0-9a-f]+:\d+:\d+:)(.)(.*)")
 
 
 @dataclass
@@ -51,118 +44,175 @@ class Tally:
     lost: list[str] = field(default_factory=list)
     doubled: list[str] = field(default_factory=list)
     victims: int = 0  # on the map
+    carried: int = 0  # reports that another phone brought first
+    from_tags: int = 0  # words that were brought home from a tag under an id of their own
+
+    def __iadd__(self, other: Tally) -> Tally:
+        """Add what was found in another mission."""
+        self.made |= other.made
+        self.faults += other.faults
+        self.lost += other.lost
+        self.doubled += other.doubled
+        self.victims += other.victims
+        self.carried += other.carried
+        self.from_tags += other.from_tags
+        return self
 
 
-class Link:
-    """The way to the server; ``share`` of the requests meet a fault."""
+def run(contexts: Sequence[Any], field: FieldOfTags, sequences: int, seed: int, page: str) -> Tally:
+    """Play sequences with two phones.
 
-    def __init__(self, rng: random.Random, faults: Counter[str]) -> None:
-        self.share = 0.0
-        self._rng = rng
-        self._faults = faults
-
-    def __call__(self, route: Any) -> None:
-        """Let a request through, or not (a handler of Playwright's ``route``)."""
-        if self._rng.random() >= self.share:
-            route.continue_()
-            return
-        fault = self._rng.choice(("lost on the way there", "lost on the way back", "busy", "sent twice"))
-        self._faults[fault] += 1
-        if fault == "lost on the way there":
-            route.abort("connectionfailed")
-        elif fault == "busy":
-            route.fulfill(status=503, body="{}", headers={"Content-Type": "application/json"})
-        elif fault == "lost on the way back":
-            _passed_on(route)
-            route.abort("connectionreset")
-        else:
-            _passed_on(route)
-            _answer(route)
-
-
-def _passed_on(route: Any) -> Any:
-    """Send the request to the server; None where the server closed an idle connection just then."""
-    photo = (
-        _picture() if "/photos?" in route.request.url else None
-    )  # Playwright does not see what a Blob holds
-    try:
-        return route.fetch(post_data=photo)
-    except Exception as error:  # Playwright's own error is not imported where only the server runs
-        if "ECONNRESET" not in str(error):
-            raise
-        return None
-
-
-def _answer(route: Any) -> None:
-    response = _passed_on(route)
-    if response is None:
-        route.abort("connectionreset")
-    else:
-        route.fulfill(response=response)
-
-
-def run(context: Any, home: str, sequences: int, seed: int, page: str = "/phone") -> Tally:
-    """Play sequences in a browser's context (Playwright) against the server at ``home``.
-
-    The context must block service workers, whose requests Playwright does not see. ``page``: where the outbox
-    runs; any of the server's, the phone's own takes longer to load.
+    Args:
+        contexts: two of a browser (Playwright). They must block service workers, whose requests are not seen.
+        field: the mission.
+        page: where the outboxes run; any of the server's, the phone's own takes longer to load.
 
     Raises:
-        TimeoutError: reports still wait a minute after the link has become sound.
+        TimeoutError: the links are sound, and for three minutes no report that waits has gone.
     """
-    rng = random.Random(seed)
     tally = Tally()
-    link = Link(
-        random.Random(seed + 1), tally.faults
-    )  # how many requests there are must not change what is done
-    _drive_past_tags(home)
-    context.route(_REPORTS, link)
+    script = "" if page == _OWN_PAGE else scripts(field.home)
+    phones = []
+    for context, cookie, name in zip(contexts, field.cookies, PEOPLE, strict=True):
+        key, value = cookie.split("=", 1)
+        context.add_cookies([{"name": key, "value": value, "url": field.home}])
+        # how many requests there are must not change what is done
+        link = Link(random.Random(f"{seed} {name}"), tally.faults, _picture)
+        phones.append(Phone(context, field.home + page, name, link, script))
+    game = _Game(phones, field, random.Random(seed), tally)
     for sequence in range(sequences):
-        link.share = rng.choice((0.2, 0.5, 0.8, 1.0))
-        _play(context, home + page, rng, tally, sequence)
-    link.share = 0.0
-    _settle(context, home + page)
-    _count(home, tally)
+        game.play(sequence)
+    for phone in phones:
+        phone.settle()
+    _count(field, tally)
     return tally
 
 
-def _play(context: Any, address: str, rng: random.Random, tally: Tally, sequence: int) -> None:
-    page = _page(context, address)
-    for step in range(rng.randint(3, 8)):
-        action = rng.choices(("report", "send", "reload", "another", "close"), (10, 4, 3, 1, 1))[0]
-        if action != "report":
-            tally.faults[action] += 1
+class _Game:
+    """Random sequences of what two people, their phones and a robot do."""
+
+    def __init__(self, phones: list[Phone], field: FieldOfTags, rng: random.Random, tally: Tally) -> None:
+        self._phones, self._field, self._rng, self._tally = phones, field, rng, tally
+        self._count = 0
+
+    def play(self, sequence: int) -> None:
+        """Play one sequence; what waits at its end goes on waiting."""
+        if sequence == 0 or self._rng.random() < 0.3:
+            self._field.new_chips()
+        for phone in self._phones:
+            phone.link.share = self._rng.choice((0.2, 0.5, 0.8, 1.0))
+            phone.link.has_signal = self._rng.random() < 0.65
+        for step in range(self._rng.randint(4, 10)):
+            (action,) = self._rng.choices(list(_ACTIONS), list(_ACTIONS.values()))
+            one, other = self._rng.sample(self._phones, 2)
+            self._act(action, one, other, f"{sequence}.{step}")
+        for phone in self._phones:
+            phone.keep_one()
+
+    def _act(self, action: str, one: Phone, other: Phone, text: str) -> None:
         if action == "report":
-            text = f"{sequence}.{step}"
-            kind, body = _report(rng, text)
-            tally.made[page.evaluate(_ADD, [kind, body])] = kind, text
-        elif action == "send":
-            page.evaluate(_SEND)
-        elif action == "reload":
-            page.reload()
-        elif action == "another":  # both send what waits
-            context.new_page().goto(address)
+            kind, body = self._report(text)
+            self._tally.made[one.add(kind, body)] = kind, text
+        elif action == "hand over":
+            self._hand_over(one, other)
+        elif action == "write into a tag":
+            self._write(one, text)
         else:
-            page.close()
-            page = _page(context, address)
-    for extra in context.pages[1:]:
-        extra.close()
+            self._tally.faults[action] += 1
+        if action == "send":
+            one.send()
+        elif action == "reload":
+            one.reload()
+        elif action == "another":
+            one.open_another()
+        elif action == "close":
+            one.close()
+        elif action == "touch":
+            tag_id = self._tag()
+            one.touch(self._field.link(tag_id), self._field.payload(tag_id))
+        elif action == "robot reads a tag":
+            self._field.bring_home()
+
+    def _tag(self) -> str:
+        """Return a tag with a chip; half of all are the one that the robot stands at."""
+        return f"T{self._rng.choice((*range(MAPPED - 1), *[MAPPED - 1] * (MAPPED - 1)))}"
+
+    def _hand_over(self, giver: Phone, taker: Phone) -> None:
+        """Hand over by codes in any order, seen more than once; now and then something goes wrong."""
+        rng, faults = self._rng, self._tally.faults
+        codes = giver.codes()
+        if not codes:
+            return
+        faults["handed over"] += 1
+        seen = codes + rng.choices(codes, k=rng.randint(0, 3))
+        rng.shuffle(seen)
+        wrong = rng.random()
+        is_taken = rng.random() < 0.75
+        faults["what calls others was left"] += not is_taken
+        if wrong < 0.15:
+            faults["a code missed"] += 1
+            taker.take([code for code in seen if code != codes[0]], is_taken)
+            return
+        if wrong < 0.3:
+            faults["a code misread"] += 1
+            misread = _CODES.sub(lambda m: m[1] + ("B" if m[2] == "A" else "A") + m[3], seen[-1])
+            taker.take([*seen[:-1], misread], is_taken)
+        elif wrong < 0.4:
+            faults["reloaded halfway"] += 1
+            taker.take(seen[: len(seen) // 2], is_taken)
+            taker.reload()
+        taker.take(seen, is_taken)
+
+    def _write(self, phone: Phone, text: str) -> None:
+        """Leave word at a tag, and the same in its chip."""
+        rng, field, faults = self._rng, self._field, self._tally.faults
+        tag_id = self._tag()
+        phone.touch(field.link(tag_id), field.payload(tag_id))
+        said = f"{text} {'and so on ' * rng.choice((0, 0, 2, 15))}".strip()  # more than a tag has room for
+        kind, body, word = _word(rng, tag_id, said)
+        if not phone.write_next(tag_id, word):
+            faults["the phone does not know that tag"] += 1
+            return
+        self._tally.made[phone.add(kind, body)] = kind, text
+        before = field.payload(tag_id)
+        written, torn = phone.touch(field.link(tag_id), before, rng.random() < 0.25)
+        if torn is not None:
+            faults["torn off a tag"] += 1
+            cut = 4 * rng.randint(0, len(before) // 4)
+            field.write(tag_id, torn[:cut] + before[cut:])
+            if rng.random() < 0.5:
+                phone.write_next(tag_id, None)
+            else:
+                written, _ = phone.touch(field.link(tag_id), field.payload(tag_id))
+        if written is not None:
+            faults["written into a tag"] += 1
+            field.write(tag_id, written)
+
+    def _report(self, text: str) -> tuple[str, dict[str, Any]]:
+        rng = self._rng
+        (kind,) = rng.choices(("note", "victim", "photo", "mayday", "at", "heard"), (3, 3, 2, 1, 1, 1))
+        if kind == "heard":
+            return kind, {"since_unix_s": float(rng.randint(1, 9))}
+        body: dict[str, Any] = {"tag_id": f"T{rng.randint(0, 2 * MAPPED - 1)}"}
+        if kind != "at":
+            body["text"] = text
+        if kind == "note":
+            body["note"] = rng.choice(("hazard", "note", "searched", "exit"))
+        if kind == "victim":
+            body |= {"live": rng.randint(0, 3), "dead": rng.randint(0, 1), "start": {"walks": True}}
+        if kind == "photo":
+            body["picture"] = base64.b64encode(_picture()).decode()
+        return kind, body
 
 
-def _report(rng: random.Random, text: str) -> tuple[str, dict[str, Any]]:
-    (kind,) = rng.choices(("note", "victim", "photo", "mayday", "at", "heard"), (3, 3, 2, 1, 1, 1))
-    if kind == "heard":
-        return kind, {"since_unix_s": float(rng.randint(1, 9))}
-    body: dict[str, Any] = {"tag_id": f"T{rng.randint(0, 2 * _MAPPED - 1)}"}
-    if kind != "at":
-        body["text"] = text
-    if kind == "note":
-        body["note"] = rng.choice(("hazard", "note", "searched", "exit"))
-    if kind == "victim":
-        body |= {"live": rng.randint(0, 3), "dead": rng.randint(0, 1), "start": {"walks": True}}
-    if kind == "photo":
-        body["picture"] = base64.b64encode(_picture()).decode()
-    return kind, body
+def _word(rng: random.Random, tag_id: str, text: str) -> tuple[str, dict[str, Any], str]:
+    """Return a report of a word left at a tag, and how it stands in the chip (report.js, victim_form.js)."""
+    if rng.random() < 0.3:
+        live, dead = rng.randint(0, 3), rng.randint(0, 1)
+        body = {"tag_id": tag_id, "text": text, "live": live, "dead": dead, "start": {"walks": True}}
+        return "victim", body, f"victim: L-{live} D-{dead} {text}"
+    note = rng.choice(("hazard", "note", "searched", "exit"))
+    return "note", {"tag_id": tag_id, "text": text, "note": note}, f"{note}: {text}"
 
 
 def _picture() -> bytes:
@@ -171,78 +221,34 @@ def _picture() -> bytes:
     return file.getvalue()
 
 
-def _drive_past_tags(home: str) -> None:
-    """Open the mission, and have a robot pass tags two metres apart."""
-    robot = RobotClient(home, MISSION, "r1", patience_s=_SETTLES_S)
-    robot.create_mission("Field", tag_key="")
-    robot.register(start_pose={"x_m": 0.0, "y_m": 0.0, "yaw_rad": 0.0, "sd_m": 0.05, "sd_rad": 0.01})
-    step = {"kind": "displacement", "dy_m": 0.0, "dtheta_rad": 0.0}
-    robot.post(
-        [
-            {
-                "seq": k,
-                "stamp_s": float(k),
-                "odometry": step | {"dx_m": 1.0 if k else 0.0},
-                "tag_sightings": [] if k % 2 else [{"tag_id": f"T{k // 2}"}],
-            }
-            for k in range(2 * _MAPPED)
-        ]
-    )
-    robot.close()
-    until = time.monotonic() + _SETTLES_S
-    while len(_call(home, "GET", f"/missions/{MISSION}/tags")["tags"]) < _MAPPED:
-        if time.monotonic() > until:
-            raise TimeoutError("the tags do not come onto the map")
-        time.sleep(0.1)
-
-
-def _page(context: Any, address: str) -> Any:
-    if not context.pages:
-        context.new_page().goto(address)
-    return context.pages[0]
-
-
-def _settle(context: Any, address: str) -> None:
-    page = _page(context, address)
-    until = time.monotonic() + _SETTLES_S
-    while page.evaluate(_LEFT):
-        if time.monotonic() > until:
-            raise TimeoutError("reports still wait though the link is sound")
-        page.evaluate(_SENT)
-        page.wait_for_timeout(100)
-
-
-def _count(home: str, tally: Tally) -> None:
+def _count(field: FieldOfTags, tally: Tally) -> None:
     """Compare with what the server has: the reports, and what stands on the map because of them."""
-    mission = f"/missions/{MISSION}"
-    photos = _call(home, "GET", f"{mission}/photos")["photos"]
-    reports = _call(home, "GET", f"{mission}/reports?limit=10000")["reports"]
+    photos = field.get("photos")["photos"]
+    reports = [r for r in field.get("reports?limit=10000")["reports"] if r["kind"] != "at"]
     there = Counter([report["report_id"] for report in reports] + [photo["photo_id"] for photo in photos])
-    notes = _call(home, "GET", f"{mission}/annotations")["annotations"]
-    victims = _call(home, "GET", f"{mission}/victims")["victims"]
+    notes = field.get("annotations")["annotations"]
+    found = field.get("victims")["victims"]
+    victims = [victim for victim in found if not victim["by"].startswith("tag ")]  # robots' marks are none
     said = [note["text"] for note in notes] + [victim["note"] for victim in victims]
-    shown = Counter(text.rsplit(" ", 1)[-1] for text in said + [photo["text"] for photo in photos])
+    shown = Counter(_name(text) for text in said + [photo["text"] for photo in photos])
     for name, (kind, text) in tally.made.items():
         is_shown = kind in ("note", "victim", "photo")
-        if (kind != "at" and not there[name]) or (
-            is_shown and not shown[text]
-        ):  # of places the last one counts
+        if (kind != "at" and not there[name]) or (is_shown and not shown[text]):  # of places the last counts
             tally.lost.append(name)
         if there[name] > 1 or shown[text] > 1:
             tally.doubled.append(name)
-    tally.doubled += [name for name in there if name not in tally.made]
+    known = {text for _, text in tally.made.values()}
+    tally.doubled += [name for name in there if name not in tally.made and name not in field.copies]
+    tally.doubled += [text for text in shown if text not in known]
     tally.victims = len(victims)
+    tally.carried = sum("(carried by" in report["by"] for report in reports)
+    tally.from_tags = len({report["report_id"] for report in reports} & field.copies)
 
 
-def _call(home: str, method: str, path: str, body: object = None) -> Any:
-    request = urllib.request.Request(
-        f"{home}/api/v1{path}",
-        data=None if body is None else json.dumps(body).encode(),
-        method=method,
-        headers={"Content-Type": "application/json"},
-    )
-    with urllib.request.urlopen(request, timeout=30) as response:
-        return json.loads(response.read())
+def _name(text: str) -> str:
+    """Return which report a text is of, by the number that each has in it."""
+    found = re.search(r"\d+\.\d+", text)
+    return text if found is None else found[0]
 
 
 def measure(sequences: int, seed: int) -> dict[str, Any]:
@@ -251,10 +257,24 @@ def measure(sequences: int, seed: int) -> dict[str, Any]:
     Raises:
         CannotMeasureError: there is no browser here.
     """
-    with server_process() as home, chromium() as browser:
-        context = browser.new_context(service_workers="block")
-        tally = run(context, home, sequences, seed, page="/static/logo.svg")
-        context.close()
+    tally = Tally()
+    with chromium() as browser:
+        for begin in range(0, sequences, _OF_A_MISSION):
+            tally += _in_a_mission(browser, min(_OF_A_MISSION, sequences - begin), seed * 100_000 + begin)
     found = {"sequences": sequences, "reports made": len(tally.made)}
     found |= Counter(kind for kind, _ in tally.made.values()) | {"victims on the map": tally.victims}
+    found |= {"first brought by the other phone": tally.carried, "first read off a tag": tally.from_tags}
     return found | dict(tally.faults) | {"lost": len(tally.lost), "doubled": len(tally.doubled)}
+
+
+def _in_a_mission(browser: Any, sequences: int, seed: int) -> Tally:
+    with tempfile.TemporaryDirectory(prefix="waymark-bench-") as folder:
+        secrets = links(Path(folder))
+        with server_process(folder, login="on") as home:
+            field = FieldOfTags(home, secrets, random.Random(seed + 1))
+            contexts = [browser.new_context(service_workers="block") for _ in PEOPLE]
+            tally = run(contexts, field, sequences, seed, page="/static/logo.svg")
+            field.close()
+            for context in contexts:
+                context.close()
+    return tally

@@ -13,6 +13,7 @@ from robots.tags.sealed import unsealed_notes
 from server.mission.annotations import Annotations
 
 _SPACE = UUID("6d0f1a2e-6a57-4b0e-9c1b-5e2f0c7d3a91")
+_NOBODY = "?"  # a phone that has not heard yet who logged in there
 _MOST = 50  # of one tag: a stranger's chip must not fill the map
 _WORD = re.compile(rf"({'|'.join(get_args(AnnotationKind))}): ?(.*)", re.DOTALL)
 
@@ -63,30 +64,35 @@ class ChipNotes:
 
     async def is_reported(self, note: AnnotationRecord) -> None:
         """Take a note off the map that came by its tag, now that its writer has reported it."""
-        copy = chip_note_id(note.tag_id or "", *_as_in_tag(note.by, f"{note.kind}: {note.text}"))
-        if copy != note.annotation_id and self._annotations.value(copy) is not None:
-            await self._annotations.remove(copy)
+        known = note.tag_id or "", *_as_in_tag(note.by, f"{note.kind}: {note.text}")
+        await self._remove_copies(*known, but=note.annotation_id)
 
-    def knows_victim(self, tag_id: str, by: str, live: int | None, dead: int | None, text: str) -> str:
-        """Take note of a victim that was reported; return the id that its writer's word in the tag has."""
+    def knows_victim(
+        self, tag_id: str, by: str, live: int | None, dead: int | None, text: str
+    ) -> tuple[str, str, str]:
+        """Take note of a victim that was reported; return tag, author and text of its word in the tag."""
         word = f"victim: L-{live or 0} D-{dead or 0} {text.strip()}".strip()  # as the phone writes it
         known = tag_id, *_as_in_tag(by, word)
         self._victims.add(known)
-        return chip_note_id(*known)
+        return known
 
     async def victim_is_reported(
         self, tag_id: str, by: str, live: int | None, dead: int | None, text: str
     ) -> None:
         """Take a word of a victim off the map that came by its tag, now that its writer has reported it."""
-        copy = self.knows_victim(tag_id, by, live, dead, text)
-        if self._annotations.value(copy) is not None:
-            await self._annotations.remove(copy)
+        await self._remove_copies(*self.knows_victim(tag_id, by, live, dead, text))
+
+    async def _remove_copies(self, tag_id: str, author: str, text: str, but: str = "") -> None:
+        for copy in {chip_note_id(tag_id, name, text) for name in (author, _NOBODY)} - {but}:
+            if self._annotations.value(copy) is not None:
+                await self._annotations.remove(copy)
 
     def _was_reported(self, tag_id: str, author: str, text: str) -> bool:
-        return (tag_id, author, text) in self._victims or any(
-            known.tag_id == tag_id and _as_in_tag(known.by, f"{known.kind}: {known.text}") == (author, text)
-            for known in self._annotations.all()
-        )
+        notes = self._annotations.all()
+        words = {(n.tag_id or "", *_as_in_tag(n.by, f"{n.kind}: {n.text}")) for n in notes} | self._victims
+        if author == _NOBODY:
+            return (tag_id, text) in {(tag, said) for tag, _, said in words}
+        return (tag_id, author, text) in words
 
 
 def chip_note_id(tag_id: str, author: str, text: str) -> str:
@@ -96,7 +102,7 @@ def chip_note_id(tag_id: str, author: str, text: str) -> str:
 
 def _as_in_tag(author: str, text: str) -> tuple[str, str]:
     """Return what a tag has room for of an author and a text."""
-    author = author.partition(" (sent by ")[0]
+    author = re.split(r" \((?:sent|carried) by ", author, maxsplit=1)[0]
     return _cut(author, MAX_NAME), _cut(text, MAX_TEXT)
 
 

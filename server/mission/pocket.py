@@ -44,13 +44,15 @@ class Pocket:
         self._of: list[object] = []  # what the pack was made of
         self._pack: Pack | None = None
         self._packed_s = 0.0
+        self._as_of_unix_s = 0.0
 
-    async def pack(self) -> Pack:
-        """Return the file as of now, or of the last second."""
+    async def pack(self) -> tuple[Pack, float]:
+        """Return the file as of now, or of the last second, and as of when."""
         async with self._packing:
             pack = self._pack
             if pack is not None and time.monotonic() - self._packed_s < _FRESH_S:
-                return pack
+                return pack, self._as_of_unix_s
+            as_of_unix_s = time.time()
             kinds = {kind: self._board.of_kind(kind) for kind in _KINDS}
             image, grid = self._shared_map.image, self._shared_map.grid
             evacuation, record = self._board.get("evacuation"), self._roster.record
@@ -74,8 +76,8 @@ class Pocket:
                     pack_of, head, kinds, roads, image, grid, self._routes.place_kind
                 )
                 self._of, self._pack = now, pack
-            self._packed_s = time.monotonic()
-            return pack
+            self._packed_s, self._as_of_unix_s = time.monotonic(), as_of_unix_s
+            return pack, as_of_unix_s
 
 
 def base_out(routes: Routes, roads: RouteMap, grid: TeamGrid | None) -> Value | None:

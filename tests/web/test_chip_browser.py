@@ -18,25 +18,13 @@ from robots.tags.memory import TagMemory
 from robots.tags.reader import SimulatedTag, read_tag, write_tag
 from robots.tags.record import seal
 from robots.tags.sealed import open_memory, unsealed_notes
+from server.benchmarks.nfc_stub import NFC
 from server.mission.chip_notes import chip_note_id
 from web.mount import mount_web
 
 KEY, TAG = b"mission", "A4"
 LINK = f"https://usar.example/t/{TAG}"
 SOON_MS = 60_000
-STUB = """
-globalThis.NDEFReader = class {
-  async scan() { globalThis.nfc = this; }
-  async write(message, options) {
-    if (globalThis.tears) throw new DOMException("gone", "NetworkError");
-    globalThis.written = message.records.map((r) => typeof r.data === "string" ? r.data : [...r.data]);
-  }
-};
-globalThis.touchChip = (link, payload) => nfc.onreading({ message: { records: [
-  ...(link ? [{ recordType: "url", data: new DataView(new TextEncoder().encode(link).buffer) }] : []),
-  ...(payload ? [{ recordType: "u.io:t", data: new DataView(Uint8Array.from(payload).buffer) }] : []),
-] } });
-"""
 WRITE = """async (cases) => {
   const { withNote } = await import("/static/phone/chip_writer.js");
   return cases.map(({ payload, author, texts }) => {
@@ -142,7 +130,7 @@ def test_a_tag_is_opened_by_touch_and_a_word_is_left_in_its_chip(browser: Browse
     link, chip = f"http://{host}/t/{tag_id}", SimulatedTag.formatted(CHIPS[7104], LINK)
     write_tag(chip, seal(encode_memory(TagMemory.empty()), 0, tag_id, KEY))
     context = browser.new_context(viewport={"width": 390, "height": 844}, locale="en-GB")
-    context.add_init_script(STUB)
+    context.add_init_script(NFC)
     page = context.new_page()
     page.goto(f"http://{host}/t")
     page.get_by_role("button", name="Touch tags with this phone").click()
@@ -213,7 +201,7 @@ def test_what_another_phone_left_in_a_tag_is_carried_on_to_the_server(
     }
     (payload,) = scripts.evaluate(WRITE, [case])
     context = browser.new_context(viewport={"width": 390, "height": 844}, locale="en-GB")
-    context.add_init_script(STUB)
+    context.add_init_script(NFC)
     page = context.new_page()
     page.goto(f"http://{host}/t")
     page.get_by_role("button", name="Touch tags with this phone").click()

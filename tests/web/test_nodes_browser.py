@@ -7,10 +7,14 @@ from pathlib import Path
 from typing import Any
 
 import httpx
+import numpy as np
 import pytest
 from fastapi import FastAPI
 from playwright.sync_api import Browser, expect
 
+from robots.tags.marks import Note, Notes
+from robots.tags.memory import CLOSED, OPEN, TagMemory
+from robots.tags.sealed import close_memory
 from server.app import create_app
 from server.settings import Settings
 
@@ -18,6 +22,7 @@ pytestmark = pytest.mark.browser
 
 AT = "/api/v1/missions/drill"
 SOON_MS = 60_000
+KINDS = """(cells) => cells.map((cell) => cell.style.fill).sort()"""
 
 
 class Hearing:
@@ -26,7 +31,9 @@ class Hearing:
     def __init__(self, client: httpx.Client) -> None:
         self.client = client
         self.seq = 0
-        client.post("/api/v1/missions", json={"name": "Drill", "mission_id": "drill"}).raise_for_status()
+        client.post(
+            "/api/v1/missions", json={"name": "Drill", "mission_id": "drill", "tag_key": ""}
+        ).raise_for_status()
         start = {"x_m": 1.0, "y_m": 2.0, "yaw_rad": 0.0, "sd_m": 0.05, "sd_rad": 0.01}
         robot = {"robot_id": "r1", "start_pose": start}
         client.post(f"{AT}/robots", json=robot).raise_for_status()
@@ -48,6 +55,16 @@ class Hearing:
             self.seq += 1
             body = {"observations": [observation]}
             self.client.post(f"{AT}/robots/r1/observations", json=body, timeout=60).raise_for_status()
+
+    def bring_memory(self) -> None:
+        """Tell the server what is in N7: 3 by 4 cells covered, one of them open, and a note."""
+        cells = np.zeros((5, 5), np.uint8)
+        cells[1:4, 1:5] = CLOSED
+        cells[2, 4] = OPEN
+        memory = TagMemory(cells, notes=Notes((Note(1, "ann", "<b>stairs down</b>"),)))
+        body = close_memory(memory, 1, "N7", b"", 150)
+        headers = {"Content-Type": "application/octet-stream"}
+        self.client.post(f"{AT}/tags/N7/memory", content=body, headers=headers).raise_for_status()
 
 
 @pytest.fixture
@@ -94,6 +111,14 @@ def test_a_hot_node_is_seen_opened_and_acknowledged(
         expect(panel).to_contain_text("Heard by r1")
         hearing.hear(90.0)
         expect(panel.locator(".readings")).to_contain_text("90.0 °C", timeout=SOON_MS)
+
+        # and what its memory tells, as soon as somebody brings it
+        expect(panel).to_contain_text("Nobody has read or written its memory yet.")
+        hearing.bring_memory()
+        expect(panel.locator("figcaption")).to_contain_text("It tells of 12 m² round it", timeout=SOON_MS)
+        expect(panel.locator(".tag-sentences")).to_contain_text("<b>stairs down</b>")
+        colours = panel.locator(".tag-memory rect").evaluate_all(KINDS)
+        assert colours == ["var(--seen)"] * 11 + ["var(--warn)"]
         assert page.evaluate("document.documentElement.scrollWidth") <= width
 
         panel.get_by_role("button", name="Acknowledge: It is hot").click()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import random
 import re
 import time
 from collections.abc import Iterator
@@ -15,14 +16,19 @@ from playwright.sync_api import Browser, BrowserContext, Page, expect
 from server.app import create_app
 from server.benchmarks import outbox
 from server.benchmarks.browser import OWN_MODULE
+from server.benchmarks.outbox_field import PEOPLE, FieldOfTags, links
 from server.settings import Settings
 
-SEQUENCES = 12
+SEQUENCES = 8
 SOON_MS = 60_000
 DAYS_MS = 5 * 86_400_000
 ADD = """async (all) => {
   const { add } = await OWN("/static/phone/outbox.js");
   for (const [kind, body] of all) await add(kind, "field", body);
+}""".replace("OWN", OWN_MODULE)
+PHOTO = """async () => {
+  const { add } = await OWN("/static/phone/outbox.js");
+  add("photo", "field", { tag_id: "T0", text: "", picture: new Blob(["x"], { type: "image/jpeg" }) });
 }""".replace("OWN", OWN_MODULE)
 SESSION = """([method, words]) => fetch("/api/v1/session", {
   method, body: words && JSON.stringify(words), headers: words ? { "Content-Type": "application/json" } : {},
@@ -79,11 +85,19 @@ def reports(client: httpx.Client, count: int) -> list[dict[str, Any]]:
         time.sleep(0.1)
 
 
-def test_no_report_is_lost_or_doubled(home: str, context: BrowserContext) -> None:
-    tally = outbox.run(context, home, SEQUENCES, seed=1)
+def test_no_report_is_lost_or_doubled(serve: Any, tmp_path: Path, browser: Browser) -> None:
+    secrets = links(tmp_path)
+    home = f"http://{serve(create_app(Settings(data_dir=tmp_path, login='on')))}"
+    field = FieldOfTags(home, secrets, random.Random(2))
+    phones = [browser.new_context(service_workers="block") for _ in PEOPLE]
+    tally = outbox.run(phones, field, SEQUENCES, seed=1, page="/phone")
+    for each in phones:
+        each.close()
+    field.close()
     assert {kind for kind, _ in tally.made.values()} >= {"note", "victim", "photo", "mayday"}
-    assert tally.victims > 0
-    assert min(tally.faults[name] for name in ("lost on the way there", "lost on the way back", "reload")) > 0
+    assert min(tally.victims, tally.carried) > 0
+    met = "lost on the way there", "lost on the way back", "reload", "handed over", "written into a tag"
+    assert min(tally.faults[name] for name in met) > 0
     assert tally.lost == []
     assert tally.doubled == []
 
@@ -98,7 +112,7 @@ def test_the_most_important_goes_first_and_the_server_refuses_in_words(
     victim = ["victim", {"tag_id": "T0", "live": 1, "dead": 0}]
     page.evaluate(ADD, [note("a"), wrong, note("b", "hazard"), victim, mayday])
     expect(page.get_by_role("button", name="5 reports wait to be sent")).to_be_visible()
-    expect(page.get_by_text("MAYDAY is NOT sent yet")).to_be_visible()
+    expect(page.get_by_text(re.compile(r"MAYDAY of \d\d:\d\d is NOT sent yet"))).to_be_visible()
     context.set_offline(False)
     kinds = [report["body"].get("note") or report["kind"] for report in reports(client, 4)]
     assert sorted(kinds, key="mayday".__eq__)[:3] == ["victim", "hazard", "note"]  # MAYDAY goes by itself
@@ -108,6 +122,17 @@ def test_the_most_important_goes_first_and_the_server_refuses_in_words(
     expect(page.get_by_text("The server cannot read it.")).to_contain_text("tag_id")
     page.get_by_role("button", name="Throw it away").click()
     expect(page.get_by_role("button", name="waits to be sent")).to_have_count(0)
+
+
+def test_no_word_waits_for_a_photo_that_does_not_go_out(
+    home: str, client: httpx.Client, context: BrowserContext
+) -> None:
+    page = opened(context, home)
+    page.route("**/photos?*", lambda route: None)  # never answered
+    with page.expect_request("**/photos?*"):
+        page.evaluate(PHOTO)
+    page.evaluate(ADD, [note("gas", "hazard")])
+    assert [report["body"]["text"] for report in reports(client, 1)] == ["gas"]
 
 
 def test_a_full_storage_is_said_and_nothing_is_lost_while_the_page_is_open(

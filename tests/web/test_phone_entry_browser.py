@@ -155,6 +155,8 @@ def test_numbers_are_understood_as_people_type_them(drill: Any, browser: Browser
 
 def test_a_damaged_link_opens_a_page_that_helps_on(drill: Any, page: Page) -> None:
     page.goto(f"http://{drill['host']}/t/A%zz")
-    expect(page.get_by_role("alert")).to_contain_text("No mission here knows a tag A%zz.", timeout=SOON_MS)
+    expect(page.get_by_role("alert")).to_contain_text(
+        "That link is damaged: A%zz is no tag.", timeout=SOON_MS
+    )
     expect(page.get_by_label("The number on the tag")).to_be_visible()
     expect(page.get_by_role("button", name="MAYDAY")).to_be_visible()

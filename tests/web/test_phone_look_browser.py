@@ -70,7 +70,7 @@ def _call_without_signal(field: Field, context: BrowserContext, page: Page, audi
         audit.look_in_gloves("EVACUATE")
         context.set_offline(True)
         page.get_by_role("button", name="MAYDAY").click(delay=900)
-        expect(page.get_by_text("MAYDAY is NOT sent yet")).to_be_visible(timeout=SOON_MS)
+        expect(page.get_by_text("is NOT sent yet")).to_be_visible(timeout=SOON_MS)
         heard.click()
         expect(page.locator("#standing")).to_contain_text("No signal.", timeout=SOON_MS)
         audit.look_in_gloves("MAYDAY waits, EVACUATE heard")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import time
 from collections.abc import Callable
 from typing import Any
@@ -79,7 +80,9 @@ def test_a_mayday_that_does_not_go_out_says_why(field: Field, page: Page) -> Non
     answers = {
         409: "MAYDAY was NOT taken. Shout, use the radio. This mission is over and takes nothing any more.",
         401: "MAYDAY is NOT sent: this phone is logged out.",
-        500: "MAYDAY is NOT sent yet: the server is in trouble.",
+        500: re.compile(
+            r"MAYDAY of \d\d:\d\d is NOT sent yet\. This phone tries again and again until it is\."
+        ),
     }
     status = 0
 

@@ -16,14 +16,14 @@ from web.mount import mount_web
 VECTORS = Path(__file__).parents[1] / "vectors"
 KEPT = """async () => {
   const { keepSent, sentBeyond } = await import("/static/phone/sent.js");
-  const now = (await import("/static/phone/reach.js")).now_s();
   const ids = (has, later_s, mission_id = "m") => {
     const notes = has.map((annotation_id) => ({ annotation_id }));
-    return sentBeyond({ mission_id, notes }, now + later_s).map(({ id }) => id);
+    return sentBeyond({ mission_id, notes }, 1000 + later_s).map(({ id }) => id);
   };
-  const tell = (id, kind = "note", mission_id = "m") => keepSent({ id, kind, mission_id, body: {} });
+  const tell = (id, kind = "note", mission_id = "m") => keepSent({ id, kind, mission_id, body: {} }, 1000);
   tell("a"); tell("b"); tell("b"); tell("c", "note", "other"); tell("d", "victim");
-  return [ids([], 0), ids([], 4), ids(["a"], 0), ids([], 0), ids([], 30), ids([], 0), ids([], 0, "other")];
+  const first = [ids([], -9), ids([], 0), ids(["a"], 0)];
+  return [...first, ids([], 0), ids([], 0.001), ids([], 0), ids([], 0, "other")];
 }"""
 
 

@@ -86,7 +86,7 @@ def test_a_tag_of_another_mission_leads_into_that_mission(field: Field, page: Pa
         page.get_by_label("The number on the tag").fill("B0")
         page.get_by_role("button", name="Where am I?").click()
         expect(page.get_by_text("You are at tag B0")).to_be_visible(timeout=SOON_MS)
-        expect(page.get_by_text("Other mission")).to_be_visible(timeout=SOON_MS)
+        expect(page.get_by_text("Other mission", exact=True)).to_be_visible(timeout=SOON_MS)
         expect(page.locator(".go")).to_have_count(0)  # the goal is of the first
         expect(page.get_by_role("button", name=f"Victim {field.victim}")).to_have_count(0)
         page.get_by_role("button", name="Leave word here").click()

@@ -44,12 +44,12 @@ class EkfFilter:
         self._seen_s: dict[str, float] = {}
         self._now_s = -inf
         self._maps: dict[str, WriterMap] = {}
-        self._stale: set[str] = set()  # tags that others' maps have where they are no more
+        self._stale: dict[str, None] = {}  # tags that others' maps have where they are no more
         self._pending = False  # a map waits to be joined
         self._joined_s = -inf
         self._left: tuple[float, tuple[TagBelief, ...]] = (-inf, ())
         self._doubts: list[str] = []
-        self._told: set[str] = set()
+        self._told: dict[str, None] = {}
 
     @property
     def belief(self) -> GaussianPose:
@@ -181,7 +181,7 @@ class EkfFilter:
         distance = state.see(tag_id, antenna, seen, thin, self._config.gate_sd**2)
         if not trust.judge(tag_id, sighting.stamp_s, distance):
             return
-        self._stale.add(tag_id)
+        self._stale[tag_id] = None
         if state is self._joined:
             self._doubt(
                 f"Tag {tag_id} is not where other robots' maps have it; their word on it is left out."
@@ -249,7 +249,7 @@ class EkfFilter:
 
     def _doubt(self, text: str) -> None:
         if text not in self._told:
-            self._told.add(text)
+            self._told[text] = None
             self._doubts.append(text)
 
 

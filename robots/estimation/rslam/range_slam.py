@@ -43,7 +43,7 @@ class RangeSlam:
         self._lineage = Lineage(start, own.particles)
         self._nodes: dict[str, Node] = {}
         self._doubts: list[str] = []
-        self._told: set[str] = set()
+        self._told: dict[str, None] = {}
         self._has_compass = False
         self._shared = SharedMaps(own)
         self._leaves_map = leaves_map
@@ -202,7 +202,7 @@ class RangeSlam:
 
     def _doubt(self, text: str) -> None:
         if text not in self._told:
-            self._told.add(text)
+            self._told[text] = None
             self._doubts.append(text)
 
     def _take_maps(self) -> None:

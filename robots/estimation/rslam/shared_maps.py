@@ -32,7 +32,7 @@ _TWICE = 0.5  # a place is taken again once its variance is so much less than it
 class _Writer:
     newest: WriterMap
     places: MapPlaces
-    tried_with: frozenset[str] = frozenset()  # nodes that had a place at the last attempt
+    tried_with: tuple[str, ...] = ()  # nodes that had a place at the last attempt
     fit: MapFit | None = None
     located: tuple[Array, Heard] | None = None  # how it lies by ranges alone
     due: int = 0  # so many ranges have to be gathered before that is tried again
@@ -108,9 +108,10 @@ class SharedMaps:
                 continue
             if not writer.done:
                 self._locate(writer, nodes, scale)
-            if writer.done or writer.located is not None or common == writer.tried_with:
+            tried_with = tuple(sorted(common))
+            if writer.done or writer.located is not None or tried_with == writer.tried_with:
                 continue
-            writer.tried_with = common
+            writer.tried_with = tried_with
             try:
                 writer.fit = fit(to_places(tags()), writer.places, self._turn_sd_rad)
             except ValueError:

@@ -33,7 +33,7 @@ class Suspects:
         self._looked_s = 0.0
         self._since_s = 0.0
         self._last_s = 0.0
-        self._settled: set[str] = set()
+        self._settled: dict[str, None] = {}
         self._left: tuple[float, float] | None = None  # until when it is said, and how far off it was
 
     @property
@@ -85,7 +85,7 @@ class Suspects:
     def give_up(self) -> None:
         """Leave the suspect for good: it cannot be got at."""
         if self._now is not None:
-            self._settled.add(self._now.victim_id)
+            self._settled[self._now.victim_id] = None
             self._now = None
 
     def turn_to(self, pose: Pose2) -> float | None:
@@ -106,7 +106,7 @@ class Suspects:
             and any(hypot(s.place_m[0] - v.x, s.place_m[1] - v.y) < v.within_m for v in told)
         ]
         for suspect in known:
-            self._settled.add(suspect.victim_id)
+            self._settled[suspect.victim_id] = None
             self._left = now_s + _SAID_S, pose_gap(pose, suspect)
             if self._now is not None and self._now.victim_id == suspect.victim_id:
                 self._now = None

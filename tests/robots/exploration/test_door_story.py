@@ -95,7 +95,7 @@ def tells_of_a(visit):
 @pytest.fixture(scope="module")
 def first(plan):
     visit = Visit(plan, "r1", explore="nearest")
-    visit.play(60.0, lambda visit: visit.simulation.bodies.poses[0][1] > ROOMS_FROM_M + 1.5)
+    visit.play(60.0, lambda visit: visit.simulation.bodies.poses[0][1] > ROOMS_FROM_M + 1.3)
     visit.order = RobotOrder("o1", "return", "Ann")  # over the tag, whatever is left to explore
     visit.play(60.0, tells_of_a)
     return visit

@@ -42,13 +42,22 @@ def border(cells: np.ndarray) -> np.ndarray:
     return touches
 
 
-def nearest_access(cell: tuple[int, int], costs: np.ndarray) -> tuple[int, tuple[int, int]] | None:
-    """Cheapest reachable cell of the nearest square ring round a cell that has one."""
+def in_sight(cells: np.ndarray, a: np.ndarray, b: np.ndarray) -> bool:
+    """Whether no obstacle lies on the straight line of cells from one to the other."""
+    line = np.round(np.linspace(a, b, max(2, int(np.abs(b - a).max()) + 1))).astype(int)
+    return not (cells[tuple(line[1:-1].T)] == OCCUPIED).any()
+
+
+def nearest_access(
+    cell: tuple[int, int], costs: np.ndarray, cells: np.ndarray
+) -> tuple[int, tuple[int, int]] | None:
+    """Cheapest reachable cell of the nearest square ring round a cell that has one in sight of it."""
     rows, columns = np.indices(costs.shape)
     ring = np.maximum(np.abs(rows - cell[0]), np.abs(columns - cell[1]))
     for reach in range(_APPROACH + 1):
         found = np.argwhere((ring == reach) & (costs != UNREACHED))
-        if len(found):
+        found = [at for at in found if in_sight(cells, np.array(cell), at)]
+        if found:
             return min((int(costs[tuple(at)]), tuple(int(v) for v in at)) for at in found)
     return None
 
@@ -59,7 +68,7 @@ def brute_force(grid: PlanGrid, costs: np.ndarray, min_length_m: float) -> list[
     found = []
     for k in range(1, count + 1):
         cells = [tuple(int(v) for v in at) for at in np.argwhere(labels == k)]
-        access = [a for a in (nearest_access(cell, costs) for cell in cells) if a is not None]
+        access = [a for a in (nearest_access(cell, costs, grid.cells) for cell in cells) if a is not None]
         if access and len(cells) * CELL_M >= min_length_m:
             found.append((min(access)[0] / 5.0 * CELL_M, len(cells) * CELL_M))
     return sorted(found)
@@ -102,6 +111,25 @@ def test_a_half_seen_room_has_one_frontier_where_the_seen_ends():
     assert frontier.length_m == pytest.approx(1.8)
     assert frontier.cost_m == pytest.approx(1.4)
     assert frontier.goal_m == pytest.approx((-1.0 + 1.95, 2.0 + 1.05))
+
+
+def test_an_edge_is_not_looked_at_through_a_wall():
+    cells = np.full((21, 21), UNKNOWN, np.uint8)
+    cells[1:10, 1:20] = FREE  # a room, its wall with a door, and beyond it what was seen through the door
+    cells[10, 1:20] = OCCUPIED
+    cells[10, 12:15] = FREE
+    cells[11:15, 6:15] = FREE
+    cells[0] = cells[:, 0] = cells[:, 20] = OCCUPIED
+    steps = np.where(cells == FREE, 5, 0).astype(np.uint8)
+    steps[8:13, :12] = 0  # too near to the wall for the body
+    grid = grid_of(cells, steps)
+    (frontier,) = find_frontiers(grid, travel_costs(grid, 4, 6), 0.5)
+    assert frontier.goal[0] > 10
+    cells[10, 12:15] = OCCUPIED  # with the door shut, there is no place to look from
+    shut = grid_of(cells, np.where(cells == FREE, steps, 0).astype(np.uint8))
+    costs = travel_costs(shut, 4, 6)
+    assert find_frontiers(shut, costs, 0.5) == ()
+    assert len(find_shut_off(shut, costs, 0.5)) == 1
 
 
 def test_a_room_that_is_all_seen_has_none():

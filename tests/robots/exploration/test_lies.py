@@ -19,7 +19,7 @@ from robots.tags.memory import CLOSED, SIDE, TagMemory
 from robots.tags.sealed import close_memory, open_memory
 
 SHARE = 0.95
-MAP, SEEDS = "office:120", (6, 7, 8, 9)
+MAP, SEEDS = "office:120", range(6, 12)
 EVERYWHERE = TagMemory(np.full((SIDE, SIDE), CLOSED, np.uint8))
 AROUND = TagMemory(np.full((11, 11), CLOSED, np.uint8))
 OURS, THEIRS = "a1" * 8, "b2" * 8

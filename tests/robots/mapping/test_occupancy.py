@@ -135,12 +135,30 @@ def test_what_was_felt_is_cleared_by_beams_that_came_back_alone():
     stamp_disc(grid, touched, 0, 10, 1, BOUND)
     look([inf], range(1, 30))
     assert grid[0, 9:12].tolist() == [BOUND] * 3
-    assert grid[0, 8] == grid[0, 12] == -BOUND
+    assert (grid[0, 8], grid[0, 12]) == (-2 * MISS, 0)  # and of nothing beyond
     look([inf, 2.0], range(30, 33))  # one of each in a scan
     assert grid[0, 9:12].tolist() == [BOUND - 3 * MISS] * 3
     look([2.0], range(33, 60))
     assert grid[0, 9:12].tolist() == [-BOUND] * 3
     assert proved(touched)[0, :21].all()
+
+
+def test_a_beam_from_nowhere_ends_at_a_wall_and_wears_it_down_slowly():
+    """A pane before it sends the beam away and the wall stays; somebody who walks off is gone at last."""
+    grid, touched = np.zeros((1, 35), np.int16), np.zeros((1, 35), np.int32)
+    marks = iter(range(1, 200))
+
+    def look(distance_m, times):
+        for mark in (next(marks) for _ in range(times)):
+            cast(grid, [distance_m], (0.05, 0.05, 0.0), (0.0, 0.1), (0.0, 0.0), mark=mark, touched=touched)
+
+    look(2.0, 10)
+    assert grid[0, 20] == BOUND
+    look(inf, 20)
+    assert grid[0, 20] == BOUND - 20
+    assert not grid[0, 21:].any()
+    look(inf, 40)
+    assert grid[0, 20:31].tolist() == [-2 * MISS] * 11
 
 
 def test_log_odds_stay_within_the_bound():

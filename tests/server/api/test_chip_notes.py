@@ -5,6 +5,7 @@ import itertools
 import struct
 import time
 from binascii import crc_hqx
+from functools import partial
 from uuid import uuid4
 
 import pytest
@@ -42,9 +43,10 @@ def line(control):
     return line
 
 
-def report(line, text, note="hazard", made_by="Kim", report_id=None):
+def report(line, text, note="hazard", made_by="Kim", report_id=None, is_carried=False):
     now = time.time()
     body = {"kind": "note", "note": note, "text": text, "tag_id": "A4", "made_by": made_by}
+    body["is_carried"] = is_carried
     said = body | {"phone_unix_s": now, "sent_phone_unix_s": now}
     assert line.call("PUT", f"/reports/{report_id or uuid4()}", said).status_code == 201
 
@@ -86,16 +88,25 @@ def test_a_chip_of_a_stranger_cannot_fill_the_map(line):
 
 @pytest.mark.parametrize("order", [*itertools.permutations(["robot", "reader", "writer"])])
 def test_robot_reader_and_writer_bring_it_in_any_order_and_it_counts_once(line, order):
-    """Another phone that read the tag carries the word on, by an id that anyone makes the same."""
-    text = "gas é"
-    ways = {
-        "robot": lambda: line.read_tag(SEALED + unsealed(f"hazard: {text}")),
-        "reader": lambda: report(line, text, report_id=chip_note_id("A4", "Kim", f"hazard: {text}")),
-        "writer": lambda: report(line, text),
-    }
-    for who in order:
-        ways[who]()
-        assert on_map(line) == [("hazard", text, "A4", "Kim")], who
+    """Another phone that read the tag carries the word on, by an id that anyone makes the same.
+
+    The writer's phone may not have known who they are as it wrote into the tag; another may bring its report.
+    """
+    shown = []
+    for author, is_carried in (("Kim", False), ("Kim", True), ("?", False), ("?", True)):
+        text, word = (f"{start}gas é {author} {is_carried}" for start in ("", "hazard: "))
+        copy = chip_note_id("A4", author, word)
+        ways = {
+            "robot": partial(line.read_tag, SEALED + unsealed(word, author=author)),
+            "reader": partial(report, line, text, made_by=author, report_id=copy, is_carried=is_carried),
+            "writer": partial(report, line, text, is_carried=is_carried),
+        }
+        for who in order:
+            ways[who]()
+            known = [note for note in on_map(line) if note not in shown]
+            assert [note[:3] for note in known] == [("hazard", text, "A4")], (author, is_carried, who)
+        assert known[0][3] in ("Kim", author)
+        shown += known
 
 
 def test_a_forged_memory_is_an_alert_and_a_phones_word_is_none(line):

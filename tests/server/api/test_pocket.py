@@ -82,3 +82,26 @@ def _what_is_there_is_left_out(driven, before, changed):
 def test_an_empty_mission_has_one_too(control):
     pocket = PocketOut.model_validate(pocket_of(control.open()).json(), strict=False)
     assert (pocket.map, pocket.tags, pocket.ways, pocket.victims) == (None, [], [], [])
+
+
+def test_a_phone_learns_from_the_next_one_that_its_note_was_taken_off(driven):
+    """By the server's clock alone: what is in none that is later than the note has been taken off again."""
+
+    def after(as_of_s):
+        while True:
+            found = pocket_of(driven)
+            if float(found.headers["waymark-as-of"]) > as_of_s:
+                return {note["annotation_id"] for note in found.json()["notes"]}
+            time.sleep(0.05)
+
+    note_id = "00000000-0000-4000-8000-0000000000aa"
+    now = time.time()
+    said = {"kind": "note", "note": "note", "text": "gas", "tag_id": driven.get("/tags")["tags"][0]["tag_id"]}
+    said |= {"phone_unix_s": now, "sent_phone_unix_s": now}
+    taken = driven.call("PUT", f"/reports/{note_id}", said)
+    assert note_id in after(float(taken.headers["waymark-as-of"]))
+    driven.call("DELETE", f"/annotations/{note_id}")
+    etag = pocket_of(driven).headers["etag"]
+    assert note_id not in after(time.time())
+    same = pocket_of(driven, **{"If-None-Match": etag})
+    assert float(same.headers["waymark-as-of"]) > now  # said also of what the phone has

@@ -7,9 +7,11 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
+import numpy as np
 import pytest
+from PIL import Image
 
-from robots.experiments import kleiner_time
+from robots.experiments import kleiner_time, one_robot
 from robots.experiments.buildings import Building
 from robots.experiments.registry import EXPERIMENTS
 from server.cli.main import run
@@ -43,6 +45,35 @@ def test_an_experiment_is_measured_printed_written_and_drawn(tiny, tmp_path, cap
     assert [row["method"] for row in rows] == ["linear", "gauss-newton"]
     assert all(not isinstance(value, dict | list) for row in rows for value in row.values())
     assert "<svg" in plot.read_text()
+
+
+@pytest.fixture
+def plan(tmp_path):
+    """Return the file of a plan with one room of 6 x 4 m."""
+    pixels = np.zeros((60, 80), np.uint8)
+    pixels[10:50, 10:70] = 255
+    Image.fromarray(pixels).save(tmp_path / "room.png")
+    file = tmp_path / "room.yaml"
+    file.write_text("image: room.png\nresolution: 0.1\norigin: [0, 0, 0]\n")
+    return str(file)
+
+
+def test_maps_may_be_given_in_place_of_its_own(plan, monkeypatch, tmp_path, capsys):
+    measure = partial(one_robot.measure, methods=("nearest",))
+    monkeypatch.setitem(EXPERIMENTS, "quick", replace(one_robot.EXPERIMENT, name="quick", run=measure))
+    file = tmp_path / "rows.json"
+    maps = ["--map", plan, "--map", "office:40"]
+    assert run(["experiment", "quick", "--runs", "1", *maps, "--json", str(file)]) == 0
+    rows = json.loads(file.read_text())["rows"]
+    assert [(row["map"], row["method"]) for row in rows] == [
+        (name, method) for name in (plan, "office:40") for method in ("nearest", "oracle")
+    ]
+    assert rows[0]["way_per_m2"] < 0.1 < rows[2]["way_per_m2"]  # one room is seen from its middle
+    capsys.readouterr()
+    assert run(["experiment", "quick", "--map", "absent.yaml"]) == 1
+    assert "absent.yaml" in capsys.readouterr().err
+    assert run(["experiment", "kleiner-slam", "--map", plan]) == 1
+    assert "leave --map out" in capsys.readouterr().err
 
 
 def test_rows_may_go_to_stdout(tiny, capsys):

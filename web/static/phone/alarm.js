@@ -111,12 +111,11 @@ export function Alarm() {
     ${isHeard(now) && waiting().some(({ kind, is_carried }) => kind === "heard" && !is_carried) && html`<span>${say("heard_waits")}</span>`}</div>`;
 }
 
-/** @param {import("./outbox.js").Report} report */
-function whyUnsent({ refused, tries }) {
+/** One sentence as long as it is so, whatever each try meets. @param {import("./outbox.js").Report} report */
+function whyUnsent({ refused, tries, phone_unix_s, offset_s }) {
   if (refused) return say("mayday_refused", { reason: refused });
   if (reach.isLoggedOut) return say("mayday_logged_out");
-  if (reach.inReach === false) return say("mayday_waits");
-  return say(tries ? "mayday_busy" : "mayday_sending");
+  return tries || reach.inReach === false ? say("mayday_not_yet", { time: timeOf(phone_unix_s + (offset_s ?? 0)) }) : say("mayday_sending");
 }
 
 export function Mayday() {

@@ -8,9 +8,9 @@ import { state } from "./state.js";
 /** North and west of the mission's frame, metres; `sd_m` along each axis. @typedef {{x_m: number, y_m: number, sd_m: number, steps: number}} Place */
 
 const STEP_M = 0.7; // of somebody in gear, Weinberg 2002 gives 0.6 to 0.8
-const STEP_SD = 0.15; // share of the way: length of a step, and steps missed
-const HEADING_SD = 0.25; // rad: compass indoors, and how the phone is held
-const LONG_STEP = 1 + 2 * STEP_SD;
+const STEP_SD = 0.1; // share of the way: a step's length 0.08 (Weinberg's range), steps missed 0.06
+const HEADING_SD = 0.2; // rad: 7 degrees of a compass among steel, 9 of how the phone is held
+const LONG_STEP = 1.3; // nobody comes further; as server/mission/locating.py
 const AT_TAG_M = 0.5; // who touches a tag stands beside it
 const GRAVITY = 9.81;
 const PEAK = 1.2; // m/s2 above rest that a step makes
@@ -62,10 +62,13 @@ export class Walk {
     this.along_m += STEP_M;
   }
 
-  /** Errors of a heading and of a step's length last, so they grow with the way, not with its root. @returns {Place} */
+  /**
+   * Errors of a heading and of a step's length last, so they grow with the way, not with its root; one is across it, the other along,
+   * and half of the variance of both is that of either axis. @returns {Place}
+   */
   get place() {
-    const sd_m = Math.hypot(this.start.sd_m, STEP_SD * this.along_m, HEADING_SD * this.along_m, this.blind_m / Math.SQRT2);
-    return { x_m: this.x_m, y_m: this.y_m, sd_m, steps: this.steps };
+    const whole_m = Math.hypot(this.start.sd_m, STEP_SD * this.along_m, HEADING_SD * this.along_m, this.blind_m);
+    return { x_m: this.x_m, y_m: this.y_m, sd_m: Math.hypot(whole_m / Math.SQRT2, AT_TAG_M), steps: this.steps };
   }
 }
 

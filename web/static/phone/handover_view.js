@@ -55,27 +55,30 @@ let offered = [];
 /** What another phone hands over that has to be looked at first. */
 export function Offered() {
   if (!offered.length) return null;
-  /** @param {boolean} isTaken */
-  const answer = async (isTaken) => {
-    const reports = offered;
-    offered = [];
-    if (isTaken) await adopt(reports);
-    changed({ said: isTaken ? say("handover_done", { n: reports.length }) : "" });
-  };
   return html`<section role="alert"><p>${say("handover_ask")}</p>
     <ul>${offered.map((report) => html`<li key=${report.id} class="waiting">${textOf(report)}</li>`)}</ul>
-    <div class="row"><button type="button" onClick=${() => answer(true)}>${say("handover_take")}</button>
-    <button type="button" onClick=${() => answer(false)}>${say("handover_leave")}</button></div></section>`;
+    <div class="row"><button type="button" onClick=${() => answerOffer(true)}>${say("handover_take")}</button>
+    <button type="button" onClick=${() => answerOffer(false)}>${say("handover_leave")}</button></div></section>`;
+}
+
+/** Take what was offered, or leave it with the other phone. @param {boolean} isTaken */
+export async function answerOffer(isTaken) {
+  const reports = offered;
+  offered = [];
+  if (isTaken) await adopt(reports);
+  changed({ said: isTaken ? say("handover_done", { n: reports.length }) : "" });
 }
 
 let collector = new Collector();
 
-/** @param {string} text of a code the camera sees @returns {boolean} whether it is one of another phone's reports */
+/**
+ * @param {string} text of a code the camera sees
+ * @returns {Promise<void> | null} null where it is none of another phone's reports; kept once what is whole now has been taken over
+ */
 export function takeCode(text) {
-  if (!collector.take(text)) return false;
+  if (!collector.take(text)) return null;
   changed({ said: say("handover_got", { k: collector.parts.size, n: collector.count }) });
-  if (collector.isWhole) finish(collector);
-  return true;
+  return collector.isWhole ? finish(collector) : Promise.resolve();
 }
 
 /** @param {Collector} whole */
@@ -85,7 +88,8 @@ async function finish(whole) {
     const reports = await whole.reports();
     const plain = reports.filter(({ kind }) => !ASKED_FOR.includes(kind));
     await adopt(plain);
-    offered = reports.filter(({ kind }) => ASKED_FOR.includes(kind));
+    const asked = reports.filter(({ id, kind }) => ASKED_FOR.includes(kind) && !offered.some((known) => known.id === id));
+    offered = [...offered, ...asked];
     changed({ scanning: false, said: plain.length ? say("handover_done", { n: plain.length }) : "" });
   } catch {
     changed({ scanning: false, said: "", trouble: say("handover_damaged") });

@@ -36,8 +36,8 @@ export async function followLink(text, read_s = null) {
   return true;
 }
 
-/** @param {Partial<typeof state>} change something to be seen at the top of the page */
-function ask(change) {
+/** @param {Partial<typeof state>} change something to be seen at the top of the page, in place of what was asked before */
+export function ask(change) {
   changed({ trouble: "", choices: [], foreign: null, ...change });
   scrollTo(0, 0);
 }

@@ -2,7 +2,7 @@
 
 import { carryOn } from "./chip_carry.js";
 import { ChipRefusal, withNote } from "./chip_writer.js";
-import { followLink, tagOfLink } from "./meant.js";
+import { ask, followLink, tagOfLink } from "./meant.js";
 import { chipRead } from "./memory_view.js";
 import { reach } from "./reach.js";
 import { changed, state } from "./state.js";
@@ -30,7 +30,7 @@ export async function readTouched() {
   if (reader) return;
   const coming = new /** @type {any} */ (globalThis).NDEFReader();
   coming.onreading = (/** @type {any} */ event) => take(event.message.records);
-  coming.onreadingerror = () => changed({ trouble: say("nfc_unreadable") });
+  coming.onreadingerror = () => ask({ trouble: say("nfc_unreadable") });
   reader = coming;
   try {
     await coming.scan();
@@ -62,7 +62,7 @@ async function take(records) {
   const address = link?.data ? new TextDecoder().decode(link.data) : "";
   const tag = tagOfLink(address);
   if (!tag) {
-    changed({ trouble: say(records.length ? "nfc_foreign" : "nfc_empty") });
+    ask({ trouble: say(records.length ? "nfc_foreign" : "nfc_empty") });
     return;
   }
   const payload = ours?.data ? new Uint8Array(ours.data.buffer.slice(ours.data.byteOffset, ours.data.byteOffset + ours.data.byteLength)) : null;

@@ -2,7 +2,7 @@
 
 import { newId } from "../console/note_kinds.js";
 import { all, drop, put } from "./kept.js";
-import { ask, missionPath, onReach, reach, reasonOf } from "./reach.js";
+import { asOf, ask, askWho, missionPath, onReach, reach, reasonOf } from "./reach.js";
 import { keepSent } from "./sent.js";
 
 /** `n`: in which order they were made; `is_carried`: taken over from another phone; `refused`: why the server will not have it,
@@ -21,10 +21,11 @@ const URGENCY = { mayday: 0, heard: 1, victim: 2, hazard: 3, note: 4, searched: 
 const reports = new Map();
 /** @type {(() => void)[]} */
 const watchers = [];
-/** A sender each, so that no photo and no storage that is slow stands before a call for help. */
+/** A sender each, so that no photo stands before a word, and neither they nor a storage that is slow before a call for help. */
 const LANES = [
-  { isForHelp: true, isSending: false, timer: 0, longest_ms: 4000 },
-  { isForHelp: false, isSending: false, timer: 0, longest_ms: 60_000 },
+  { of: "mayday", isSending: false, timer: 0, longest_ms: 4000 },
+  { of: "word", isSending: false, timer: 0, longest_ms: 60_000 },
+  { of: "photo", isSending: false, timer: 0, longest_ms: 60_000 },
 ];
 /** @typedef {typeof LANES[0]} Lane */
 
@@ -52,6 +53,7 @@ export async function openOutbox() {
   let was = reach.inReach;
   onReach(() => {
     if (reach.inReach && !was) sendNow();
+    if (reach.inReach && !was && !reach.me) askWho(); // what is written has to be signed
     was = reach.inReach;
   });
   setInterval(() => sendNow(), LOOK_EVERY_MS);
@@ -136,7 +138,7 @@ async function flushLane(lane) {
 }
 
 /** @param {Lane} lane */
-const of = ({ isForHelp }) => waiting().filter(({ kind }) => (kind === "mayday") === isForHelp);
+const of = (lane) => waiting().filter(({ kind }) => (kind === "mayday" || kind === "photo" ? kind : "word") === lane.of);
 
 /** @param {Lane} lane */
 const due = (lane) => of(lane).find(({ refused, due_ms }) => !refused && due_ms <= Date.now());
@@ -159,7 +161,7 @@ async function send(report, longest_ms) {
   const response = await request(report);
   const isHelp = report.kind === "mayday"; // what is written meanwhile is not waited for
   if (response?.ok) {
-    keepSent(report);
+    keepSent(report, asOf(response));
     const gone = forget(report.id);
     changed();
     if (!isHelp) await gone;

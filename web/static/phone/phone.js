@@ -2,6 +2,7 @@
 
 import { html, render } from "../console/vendor.js";
 import { Guide } from "./guide.js";
+import { whereText } from "./past.js";
 import { opened } from "./pockets.js";
 import { changed, onChange, state } from "./state.js";
 import { language, say } from "./texts.js";
@@ -20,13 +21,14 @@ function Page() {
   const { where } = state;
   const trouble = html`${state.trouble && html`<p class="trouble" role="alert">${state.trouble}</p>`}${rest && html`<${rest.Doubt} />`}
     ${state.odd && html`<p class="trouble" role="alert">${say("too_far", { ...state.odd, far: metres(state.odd.far_m), after: rounded(state.odd.after_s) })}</p>`}
+    ${where && state.elsewhere && html`<p class="trouble" role="alert">${say("tag_elsewhere", { mission: where.mission_name, own: state.elsewhere })}</p>`}
     ${state.said && html`<p role="status">${state.said}</p>`}`;
   if (!where) return html`<h1>${say("which_tag")}</h1>${trouble}${rest && html`<${rest.WhichTag} />`}`;
   const goal = target();
   return html`<h1>${say("tag", { tag: where.tag_id })}</h1>
     ${trouble}
     ${goal && state.route && html`<${Guide} route=${state.route} to=${goal.to} />`}
-    <p class="where">${where.text}${where.sd_m > 1 ? ` ${say("place_unsure", { far: metres(where.sd_m) })}` : ""}</p>
+    <p class="where">${whereText(where)}${where.sd_m > 1 ? ` ${say("place_unsure", { far: metres(where.sd_m) })}` : ""}</p>
     ${where.notice && html`<p class="trouble">${say(/** @type {Key} */ (`tag_${where.state ?? "doubtful"}`))}</p>`}
     ${where.victims.length > 0 && html`<h2>${say("lead_me_to")}</h2><ul>${where.victims.map(NearVictim)}</ul>`}
     ${rest && html`<${rest.AtTag} mission=${where.mission_name} />`}`;

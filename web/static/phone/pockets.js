@@ -1,10 +1,10 @@
 /** The missions on this phone: which one a tag belongs to, and getting the newest of each while the server is in reach. */
 
 import { drop, firstPockets, put } from "./kept.js";
-import { ask, missionPath, now_s, read } from "./reach.js";
+import { asOf, ask, missionPath, read } from "./reach.js";
 
 /** @import {Pocket} from "./types.js" */
-/** `as_of_s`: when the server said that this is the latest, by its own clock; `parts`: names of the large ones by their content.
+/** `as_of_s`: when this was the latest, by the server's clock; `parts`: names of the large ones by their content.
  * @typedef {{mission_id: string, mission_name: string, state: string, created_unix_s: number, etag: string, parts?: Record<string, string>, text: string, as_of_s: number, tag_ids: string[]}} Kept */
 
 const MOST = 4; // missions on a phone
@@ -32,9 +32,16 @@ export function missions() {
 /** @param {Standing} a @param {Standing} b */
 const byLikelihood = (a, b) => Number(b.state === "running") - Number(a.state === "running") || b.created_unix_s - a.created_unix_s;
 
-/** @param {string} tagId @param {string | null} missionId only this one, if told @returns {Kept | null} */
-export function missionOf(tagId, missionId) {
-  return missions().find((item) => item.tag_ids.includes(tagId) && (!missionId || item.mission_id === missionId)) ?? null;
+/**
+ * The mission that a tag is of.
+ * @param {string} tagId
+ * @param {string | null} missionId only this one, if told
+ * @param {string} own the one that this phone is in, which is meant before all others unless it is over
+ * @returns {Kept | null}
+ */
+export function missionOf(tagId, missionId, own) {
+  const all = missions().filter((item) => item.tag_ids.includes(tagId) && (!missionId || item.mission_id === missionId));
+  return all.find(({ mission_id }) => mission_id === own && !isOver(own)) ?? all[0] ?? null;
 }
 
 /** @param {Kept} item @returns {Pocket} */
@@ -66,7 +73,7 @@ async function newest(missionId) {
   const have = Object.values(known?.parts ?? {}).join(); // what has not changed is not sent again
   const response = await ask("GET", `${missionPath(missionId)}/pocket?have=${have}`, { headers });
   if (response?.status === 304 && known) {
-    await keep({ ...known, as_of_s: now_s() });
+    await keep({ ...known, as_of_s: asOf(response) });
     return "same";
   }
   if (!response?.ok) return "failed";
@@ -77,7 +84,7 @@ async function newest(missionId) {
     const text = JSON.stringify(pocket);
     parsed = { text, pocket };
     const { mission_id, mission_name, state, created_unix_s, parts, tags } = pocket;
-    await keep({ mission_id, mission_name, state, created_unix_s, etag: response.headers.get("ETag") ?? "", parts, text, as_of_s: now_s(),
+    await keep({ mission_id, mission_name, state, created_unix_s, etag: response.headers.get("ETag") ?? "", parts, text, as_of_s: asOf(response),
       tag_ids: tags.map(({ tag_id }) => tag_id) });
     return "new";
   } catch {

@@ -131,6 +131,9 @@ function learnTime(date, sent_ms) {
   remember(OFFSET, offset_s);
 }
 
+/** Of when an answer is, by the server's clock. @param {Response} response @returns {number} Unix seconds */
+export const asOf = (response) => Number(response.headers.get("Waymark-As-Of") ?? now_s());
+
 /** @param {string} path @returns {Promise<any>} the JSON of a good answer, else null */
 export async function read(path) {
   const response = await ask("GET", path);

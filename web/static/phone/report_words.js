@@ -1,6 +1,6 @@
 /** A report in one line. */
 
-import { language, say } from "./texts.js";
+import { language, plain, say } from "./texts.js";
 
 /** @import {Report} from "./outbox.js" */
 /** @typedef {import("./texts.js").Key} Key */
@@ -13,5 +13,5 @@ export function textOf({ kind, body, made_by, phone_unix_s, offset_s }) {
   const what = say(/** @type {Key} */ (kind === "note" ? `kind_${body.note}` : `kind_${kind}`));
   const counts = kind === "victim" ? `${say("live")} ${body.live}, ${say("dead")} ${body.dead}` : "";
   const time = timeOf(phone_unix_s + (offset_s ?? 0));
-  return [`${what}${body.tag_id ? ` @ ${body.tag_id}` : ""}`, counts, body.text, `${made_by} ${time}`].filter(Boolean).join(" · ");
+  return plain([`${what}${body.tag_id ? ` @ ${body.tag_id}` : ""}`, counts, body.text, `${made_by} ${time}`].filter(Boolean).join(" · "));
 }

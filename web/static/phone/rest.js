@@ -66,5 +66,6 @@ export function start() {
   listenForOrders();
   onChange(() => stayAwake(target() !== null && state.route !== null));
   setInterval(changed, AGES_MS); // ages go on
+  for (const shown of ["pageshow", "visibilitychange"]) addEventListener(shown, () => changed()); // they went on without it
   keepHere();
 }

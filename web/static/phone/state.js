@@ -20,6 +20,7 @@ export const state = {
   /** The last MAYDAY called here that the server has: the mission, when by its clock, who has taken note. @type {{mission: string, at_s: number, noted_by: string} | null} */
   called: null,
   scanning: false,
+  /** The mission of the tag before, by its name, where this one is of another. */ elsewhere: "",
   /** Why the tag that was read cannot be where the map has it. @type {import("./pace.js").TooFar | null} */ odd: null,
   /** What was left last, as it stands in a chip. @type {{tagId: string, text: string} | null} */ word: null,
   /** A tag's link of another server that was touched or scanned. @type {{tagId: string, host: string} | null} */ foreign: null,

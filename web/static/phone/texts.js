@@ -23,6 +23,13 @@ export function speak(name) {
   document.documentElement.lang = name;
 }
 
+const UNSEEN = /[\u0000-\u001f\u007f-\u009f]+/g;
+const TURNS = /[\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069]/g; // text to be read from the other side, what follows it too
+const HEAPED = /(\p{M}{2})\p{M}+/gu; // marks over marks cover the lines above
+
+/** What others wrote, so that it can neither turn round nor cover what stands beside it. @param {string} text */
+export const plain = (text) => text.replace(UNSEEN, " ").replace(TURNS, "").replace(HEAPED, "$1");
+
 /**
  * @param {Key} key
  * @param {Record<string, string | number>} [values]
@@ -33,5 +40,5 @@ export function say(key, values = {}) {
   const text = LANGUAGES[name].texts[key] ?? /** @type {Text} */ (EN[key]);
   const chosen = typeof text === "string" ? text
     : new Intl.PluralRules(name).select(Number(values.n)) === "one" ? text.one : text.other;
-  return chosen.replace(/\{(\w+)\}/g, (whole, name) => String(values[name] ?? whole));
+  return chosen.replace(/\{(\w+)\}/g, (whole, name) => plain(String(values[name] ?? whole)));
 }

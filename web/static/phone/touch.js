@@ -4,7 +4,7 @@ import { begin, walkedFrom } from "./between.js";
 import { takeOrder } from "./evacuate.js";
 import { add, onOutbox, waiting } from "./outbox.js";
 import { cameFrom, judged } from "./pace.js";
-import { keptOf, missionOf, missions, open, opened, refresh, refreshAll } from "./pockets.js";
+import { isOver, keptOf, missionOf, missions, open, opened, refresh, refreshAll } from "./pockets.js";
 import { reach, read, remember, remembered } from "./reach.js";
 import { Roads } from "./roads.js";
 import { sentBeyond } from "./sent.js";
@@ -15,6 +15,8 @@ import { routeTo, whereIs } from "./where.js";
 /** @import {Pocket, PocketNote} from "./types.js" */
 
 const FRESH_MS = 15_000;
+const SHIFT_S = 43_200; // who read no tag for so long may be in another mission by now
+const IS_TAG = /^[A-Za-z0-9][A-Za-z0-9._:~-]*$/; // as server/schemas/common.py
 const TARGET = "waymark.target"; // where this phone is being led
 const LAST = "waymark.last";
 const SEEN = "waymark.seen"; // the tags that this phone really read, and when
@@ -60,9 +62,10 @@ export async function touch(tagId, mission = null, isBack = false, told = null, 
   const address = tagId ? `/t/${encodeURIComponent(tagId)}${mission ? `?mission=${encodeURIComponent(mission)}` : ""}` : "/phone";
   if (!isBack && location.pathname + location.search !== address) history.pushState(null, "", address);
   wanted = mission;
-  Object.assign(state, { tagId, before, where: null, route: null, said: "", trouble: "", form: "", scanning: false, foreign: null, choices: [], odd: null });
+  Object.assign(state, { tagId, before, where: null, route: null, said: "", trouble: "", form: "", scanning: false, foreign: null, choices: [], odd: null, elsewhere: "" });
   if (!tagId) return changed();
-  const last = { tag: tagId, before, since_s, mission: known?.mission ?? "", isTold: !isNews };
+  const own = known && Date.now() / 1000 - known.since_s < SHIFT_S ? known.mission : "";
+  const last = { tag: tagId, before, since_s, mission: own, isTold: !isNews };
   remember(LAST, last);
   answer();
   if (!state.where && told) Object.assign(state, { where: told.where, as_of_s: told.as_of_s });
@@ -75,6 +78,7 @@ export async function touch(tagId, mission = null, isBack = false, told = null, 
   const mission_id = missionId();
   if (state.tagId !== tagId || !state.where) return;
   if (lastTag()?.tag === tagId) remember(LAST, { ...lastTag(), mission: mission_id });
+  if (!isShownAgain && own && own !== mission_id && !isOver(own)) changed({ elsewhere: keptOf(own)?.mission_name ?? own });
   if (isNews) add("at", mission_id, { tag_id: tagId, ...came }, since_s).then(() => remember(LAST, { ...remembered(LAST), isTold: true }));
   const { askMemory } = await import("./memory_view.js");
   askMemory(mission_id, tagId);
@@ -113,7 +117,7 @@ let wanted = null;
 
 /** Answer from what the phone carries. */
 export function answer() {
-  const item = missionOf(state.tagId, wanted) ?? (state.tagId ? null : missions()[0]);
+  const item = missionOf(state.tagId, wanted, lastTag()?.mission ?? "") ?? (state.tagId ? null : missions()[0]);
   if (!item) return;
   const pocket = open(item);
   state.as_of_s = item.as_of_s;
@@ -154,15 +158,28 @@ function notesWith(pocket) {
 
 /** The phone does not know this tag: the server may. */
 async function askServer() {
-  const query = new URLSearchParams({ language: language(), ...(wanted ? { mission: wanted } : {}) });
-  const found = await read(`/where/${encodeURIComponent(state.tagId)}?${query}`);
+  const own = lastTag()?.mission;
+  const found = (!wanted && own && !isOver(own) && (await whereBy(own))) || (await whereBy(wanted));
   if (found && found.tag_id === state.tagId) {
     changed({ where: found, as_of_s: null });
     await refresh(found.mission_id);
     return answerAnew();
   }
-  const key = reach.isLoggedOut ? "log_in_to_see" : reach.inReach ? "tag_unknown" : missions().length ? "tag_unknown_here" : "nothing_here";
-  changed({ trouble: say(key, { tag: state.tagId }) });
+  changed({ trouble: say(whyUnknown(), { tag: state.tagId, mission: wanted ?? "" }) });
+}
+
+/** What the server says of the tag. @param {string | null} mission only of this one */
+function whereBy(mission) {
+  const query = new URLSearchParams({ language: language(), ...(mission ? { mission } : {}) });
+  return read(`/where/${encodeURIComponent(state.tagId)}?${query}`);
+}
+
+/** @returns {import("./texts.js").Key} */
+function whyUnknown() {
+  if (!IS_TAG.test(state.tagId)) return "link_damaged";
+  if (reach.isLoggedOut) return "log_in_to_see";
+  if (reach.inReach) return wanted ? "tag_not_in_mission" : "tag_unknown";
+  return missions().length ? "tag_unknown_here" : "nothing_here";
 }
 
 /** Get the newest of the mission that is shown. */
