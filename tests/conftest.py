@@ -33,6 +33,7 @@ settings.register_profile(
 settings.load_profile("waymark")
 
 
+@pytest.hookimpl(optionalhook=True)  # xdist may be switched off
 def pytest_xdist_auto_num_workers() -> int:
     """One more than there are processors: stories wait, for pages and for servers."""
     return len(os.sched_getaffinity(0)) + 1
@@ -43,7 +44,8 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     if not hasattr(config, "workerinput"):
         return
     in_browser = {item.path for item in items if "browser" in getattr(item, "fixturenames", ())}
-    files = sorted({item.path for item in items}, key=lambda path: (-path.stat().st_size, path))
+    tests = Counter(item.path for item in items)
+    files = sorted(tests, key=lambda path: (-tests[path], path in in_browser and -path.stat().st_size, path))
     of_kind, seen = Counter(path in in_browser for path in files), Counter[bool]()
     turn = {}
     for path in files:

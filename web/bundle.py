@@ -14,7 +14,6 @@ from web.lean import lean_file
 
 _STYLE = re.compile(rb'[ \t]*<link rel="stylesheet" href="(/static/[^"]+)">\n')
 _SCRIPT = re.compile(rb'[ \t]*<script type="module"[^>]* src="(/static/[^"]+)"></script>\n')
-_EARLY = re.compile(rb'[ \t]*<script src="(/static/[^"]+)"></script>\n')
 _ENDS = re.compile(
     rb"</(?:script|style)|<!--", re.IGNORECASE
 )  # what a script or style within a page may not hold
@@ -58,9 +57,7 @@ class Sources:
 
 
 def bundle(folder: str, sources: Sources) -> Bundle:
-    """Return the page of a folder under /static with its styles and its scripts' first half within it.
-
-    Scripts that are no modules stay where the page has them: they run before it is read to its end.
+    """Return the page of a folder under /static with its styles and its scripts' first step within it.
 
     Raises:
         CombineError: its scripts cannot be combined, or not be put into a page.
@@ -69,11 +66,14 @@ def bundle(folder: str, sources: Sources) -> Bundle:
     style = b"".join(sources.read(address.decode()) for address in _STYLE.findall(page))
     entries = [address.decode() for address in _SCRIPT.findall(page)]
     scripts = combine(entries, lambda address: sources.read(address).decode())
-    later = scripts.later.encode()
-    address = f"/app/{hashlib.sha256(later).hexdigest()[:16]}/{folder}.later.js"
-    first = scripts.first(address).encode()
-    early = [sources.read(address.decode()) for address in _EARLY.findall(page)]
-    for part in (style, first, *early):
+    later: dict[str, bytes] = {}
+    address = ""
+    for number in range(len(scripts.steps) - 1, 0, -1):
+        script = scripts.script(number, address).encode()
+        address = f"/app/{hashlib.sha256(script).hexdigest()[:16]}/{folder}.{number}.js"
+        later[address] = script
+    first = scripts.script(0, address).encode()
+    for part in (style, first):
         if found := _ENDS.search(part):
             raise CombineError(
                 f"A style or script of /{folder} holds {found.group().decode()}: write it in two parts."
@@ -81,10 +81,7 @@ def bundle(folder: str, sources: Sources) -> Bundle:
     page = _in_one(_STYLE, page, b"  <style>%s</style>\n" % style)
     # nothing is painted before the script has run: the first paint is then its first answer
     page = _in_one(_SCRIPT, page, b'  <script type="module" blocking="render">%s</script>\n' % first)
-    whole = iter(early)
-    page = _EARLY.sub(lambda _: b"  <script>%s</script>\n" % next(whole), page)
-    hashes = {"style-src": _hash(style), "script-src": " ".join(map(_hash, (*early, first)))}
-    return Bundle(page, hashes, {address: later} if later else {})
+    return Bundle(page, {"style-src": _hash(style), "script-src": _hash(first)}, later)
 
 
 def _hash(part: bytes) -> str:

@@ -1,4 +1,4 @@
-"""Many ES modules as two scripts: what a page needs first, and what it asks for by ``import()`` later.
+"""Many ES modules as a few scripts: what a page needs first, then what each asks for by ``import()``.
 
 Each module becomes a function with a scope of its own, called at once, in the order in which browsers run
 modules. What it exports becomes one object, kept in the page's ``modules$`` under the module's address:
@@ -9,9 +9,8 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import chain
 
 # types beside code and where to find sources; comments with lines to themselves are gone already
 _ASIDE = re.compile(r"/\*\*[^\n]*?\*/|^//# sourceMappingURL=.*$", re.MULTILINE)
@@ -25,9 +24,9 @@ _EXPORTED = re.compile(r"^export (?=(?:const|class|(?:async )?function\*?)\s+([\
 _AWAITS = re.compile(r"^\S.*\bawait\b|^await\b", re.MULTILINE)  # on a line that is not within a function
 _LEFT = re.compile(r"^(?:import\b(?!\()|export\b).*", re.MULTILINE)
 _BEGIN = "const modules = (globalThis.modules$ = {});\n"
-# the later script does not import the first, which may be waiting for it
-_BEGIN_LATER = """let asked$;
-const later$ = () => (asked$ ??= import("LATER").then(({ run }) => run(modules, later$)).catch((error) => {
+# a later script does not import the one before, which may be waiting for it
+_ASK = """let asked$;
+const later$ = () => (asked$ ??= import("LATER").then(({ run }) => run(modules)).catch((error) => {
   asked$ = undefined;
   throw error;
 }));
@@ -39,17 +38,24 @@ class CombineError(ValueError):
 
 
 @dataclass(frozen=True, slots=True)
-class Combined:
-    """The two scripts (``later`` is empty where nothing is imported later), and their modules as they run."""
+class Step:
+    """One of the scripts: its modules' text, and their addresses in the order in which they run."""
 
     body: str
-    later: str
-    first_modules: tuple[str, ...]
-    later_modules: tuple[str, ...]
+    modules: tuple[str, ...]
 
-    def first(self, later: str) -> str:
-        """Return the first script, which finds the other at the address ``later``."""
-        return _BEGIN + (_BEGIN_LATER.replace("LATER", later) if self.later else "") + self.body
+
+@dataclass(frozen=True, slots=True)
+class Combined:
+    """The scripts of a page: the first, what it imports later, what that imports later, and so on."""
+
+    steps: tuple[Step, ...]
+
+    def script(self, number: int, next_address: str = "") -> str:
+        """Return a script, which finds the one behind it, if there is one, at an address."""
+        ask = _ASK.replace("LATER", next_address) if number + 1 < len(self.steps) else ""
+        body = ask + self.steps[number].body
+        return f"export async function run(modules) {{\n{body}}}\n" if number else _BEGIN + body
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,28 +66,26 @@ class _Module:
     body: str
 
 
-def combine(entries: Iterable[str], read: Callable[[str], str]) -> Combined:
-    """Return all that ``entries`` import as two scripts.
+def combine(entries: Sequence[str], read: Callable[[str], str]) -> Combined:
+    """Return all that ``entries`` import as scripts.
 
-    ``read`` returns a module's text by its address, or raises OSError. What is imported later runs, all of it
-    together, when the first of it is asked for.
+    ``read`` returns a module's text by its address, or raises OSError. What a script imports later runs,
+    all of it together, when the first of it is asked for.
 
     Raises:
         CombineError: a module is not there, imports in a circle or what another does not export, exports what
             may change, or imports or exports in a form that is not known here.
     """
     known: dict[str, _Module] = {}
-    first_modules = _in_order(entries, read, known)
-    asked = _asked_for(known)
-    while not asked <= known.keys():
-        _in_order(sorted(asked), read, known)
-        asked = _asked_for(known)
-    later_modules = tuple(address for address in known if address not in first_modules)
-    blocks = {address: _block(address, known, frozenset(later_modules)) for address in known}
-    first = "".join(map(blocks.__getitem__, first_modules))
-    rest = "".join(map(blocks.__getitem__, later_modules))
-    run = f"export async function run(modules, later$) {{\n{rest}}}\n" if rest else ""
-    return Combined(first, run, first_modules, later_modules)
+    steps: list[Step] = []
+    while entries:
+        before = set(known)
+        _read_in_order(entries, read, known)
+        modules = tuple(address for address in known if address not in before)
+        here = frozenset(known)
+        steps.append(Step("".join(_block(address, known, here) for address in modules), modules))
+        entries = sorted({to for address in modules for to in known[address].later} - here)
+    return Combined(tuple(steps))
 
 
 def resolved(of: str, to: str) -> str:
@@ -97,14 +101,8 @@ def resolved(of: str, to: str) -> str:
     return "/".join(parts)
 
 
-def _asked_for(known: Mapping[str, _Module]) -> set[str]:
-    return set(chain.from_iterable(module.later for module in known.values()))
-
-
-def _in_order(
-    entries: Iterable[str], read: Callable[[str], str], known: dict[str, _Module]
-) -> tuple[str, ...]:
-    """Read modules into ``known``, each behind those that it imports; return all addresses in it."""
+def _read_in_order(entries: Iterable[str], read: Callable[[str], str], known: dict[str, _Module]) -> None:
+    """Read modules into ``known``, each behind those that it imports."""
 
     def visit(address: str, above: tuple[str, ...]) -> None:
         if address in known:
@@ -124,7 +122,6 @@ def _in_order(
 
     for entry in entries:
         visit(entry, ())
-    return tuple(known)
 
 
 def _parsed(address: str, text: str) -> _Module:
@@ -156,13 +153,13 @@ def _pairs(names: str) -> list[tuple[str, str]]:
     return [(word[0], word[-1]) for word in words]
 
 
-def _block(address: str, known: Mapping[str, _Module], later: frozenset[str]) -> str:
+def _block(address: str, known: Mapping[str, _Module], here: frozenset[str]) -> str:
     module = known[address]
     bound = "".join(_bound(address, clause, of, known[of].exports) for clause, of in module.imports)
 
     def at_once_or_later(found: re.Match[str]) -> str:
         to = resolved(address, found[1])
-        return f'{"later$()" if to in later else "Promise.resolve()"}.then(() => modules["{to}"])'
+        return f'{"Promise.resolve()" if to in here else "later$()"}.then(() => modules["{to}"])'
 
     body = _LATER.sub(at_once_or_later, module.body)
     exports = ", ".join(f"{json.dumps(outer)}: {inner}" for outer, inner in module.exports.items())

@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from web.bundle import Sources, bundle
+from web.combine import combine
 
 _LINKS = re.compile(r'href="(/static/[^"]+)"')
 _CLASSIC = re.compile(r'\.src = "([^"]+)"')  # scripts that are no modules, fetched when they are needed
@@ -54,4 +55,5 @@ def worker(sources: Sources, kept: Shell) -> bytes:
     hashes = {address: hashlib.sha256(data).hexdigest() for address, data in sorted(kept.files.items())}
     version = hashlib.sha256(json.dumps(hashes).encode()).hexdigest()[:16]
     head = f'self.VERSION = "{version}";\nself.FILES = {json.dumps(hashes, indent=0)};\n'
-    return head.encode() + sources.read(_WORKER)
+    script = combine([_WORKER], lambda address: sources.read(address).decode()).script(0)
+    return (head + script).encode()

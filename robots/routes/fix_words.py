@@ -8,7 +8,8 @@ from math import hypot, sqrt
 
 import numpy as np
 
-from robots.estimation.radio.locating import Located, Place
+from robots.estimation.radio.locating import Located
+from robots.estimation.radio.places import Place
 from robots.routes.texts import Language, say
 from robots.routes.words import OF_PLAN, North, metres
 

@@ -27,6 +27,11 @@ TEXTS: dict[Language, dict[str, str]] = {
         " {goal} is within about {doubt}.",
         "goal_victim": "victim {name}", "goal_tag": "tag {name}", "goal_note": "note {name}",
         "goal_exit": "the exit {name}", "goal_base": "the base",
+        "tag": "Tag {tag}",
+        "tag_moved": "This tag was moved, and the map has it where it was read last. Go by another tag too.",
+        "tag_cloned": "There is more than one tag of this name. Do not go by this place, touch another tag.",
+        "tag_doubtful": "It is not sure where this tag lies. Go by another tag too.",
+        "place_unsure": "Its place is known to {far} only.",
         "you_are_at": "You are at tag {tag}.",
         "you_are_in": "You are at tag {tag}, {place}.",
         "in_doorway": "in a doorway", "in_corridor": "in a corridor", "in_room": "in a room",
@@ -69,6 +74,14 @@ TEXTS: dict[Language, dict[str, str]] = {
         " {goal} ist im Umkreis von etwa {doubt}.",
         "goal_victim": "Opfer {name}", "goal_tag": "Marke {name}", "goal_note": "Notiz {name}",
         "goal_exit": "Ausgang {name}", "goal_base": "Basis",
+        "tag": "Marke {tag}",
+        "tag_moved": "Diese Marke wurde versetzt; der Plan zeigt sie, wo sie zuletzt gelesen wurde."
+        " Richten Sie sich auch nach einer anderen.",
+        "tag_cloned": "Marken dieses Namens gibt es mehrere. Verlassen Sie sich nicht auf diesen Ort,"
+        " lesen Sie eine andere.",
+        "tag_doubtful": "Es ist nicht sicher, wo diese Marke liegt."
+        " Richten Sie sich auch nach einer anderen.",
+        "place_unsure": "Ihr Ort ist nur auf {far} genau bekannt.",
         "you_are_at": "Sie sind an Marke {tag}.",
         "you_are_in": "Sie sind an Marke {tag}, {place}.",
         "in_doorway": "in einer Türöffnung", "in_corridor": "in einem Flur", "in_room": "in einem Raum",

@@ -22,6 +22,7 @@ from robots.team.laser_loops import LaserLoops
 from robots.team.meetings import meetings_of
 from robots.team.notices import tag_notices, way_notices
 from robots.team.problem import JointProblem, joint_problem, moved
+from robots.team.range_doubt import range_doubts
 from robots.team.types import StartPose, TeamNotice, TeamTag
 from robots.types import SubmapReport
 
@@ -78,49 +79,55 @@ def solve_together(
     lasers.end()
     tied = _agreeing(sound, frames)
 
-    def solved() -> tuple[JointProblem, Judgement]:
+    def solved() -> tuple[JointProblem, Judgement, Array]:
         joint = joint_problem(sound, starts, frames, loops=loops, meetings=meetings, tied=tied)
         return _judged(joint, any(len(graph.sighting_pairs) for graph in sound.values()), method)
 
-    joint, judged = solved()
+    joint, judged, doubts = solved()
     loose = _contradicted(joint, judged)
     if loose:
         tied -= loose
-        joint, judged = solved()
+        joint, judged, doubts = solved()
     anchors |= {name: moved(frames[name], graph.poses) for name, graph in sound.items() if name in frames}
     covariances, every = {}, judged.solution.marginals.all()
     for name in joint.names:
         begin, count = joint.begins[name], len(sound[name].poses)
         anchors[name] = judged.solution.poses[begin : begin + count]
         covariances[name] = every[begin + count - 1]
+    spreads = every[len(judged.solution.poses) :, :2, :2][: len(judged.tag_of)]
     found = tag_notices(joint, judged)
     notices += [*found.values(), *way_notices(joint, judged, sound)]
     return JointSolution(
         anchors=anchors,
         located=frozenset(joint.names),
         covariances=covariances,
-        tags=_tags(joint, judged, found, every[len(judged.solution.poses) :, :2, :2]),
+        tags=_tags(joint, judged, found, spreads + doubts[judged.tag_of]),
         marginals=judged.solution.marginals,
         begins=joint.begins,
         notices=tuple(sorted(notices, key=lambda notice: (notice.kind, notice.about, notice.since_s))),
     )
 
 
-def _judged(joint: JointProblem, passed: bool, method: Method) -> tuple[JointProblem, Judgement]:
-    """Solve; test the tags where robots ``passed`` over some, in that. Ranges have a kernel of their own."""
+def _judged(joint: JointProblem, passed: bool, method: Method) -> tuple[JointProblem, Judgement, Array]:
+    """Solve; test the tags where robots ``passed`` over some, in that. Ranges have a kernel of their own.
+
+    The last: what ranges leave open of each tag's place beyond the solution's covariance, (m, 2, 2).
+    """
     if joint.ranges is None:
-        return joint, judge(joint.problem, joint.stamps_s, ways=joint.ways, method=method)
+        judged = judge(joint.problem, joint.stamps_s, ways=joint.ways, method=method)
+        return joint, judged, np.zeros((len(joint.tag_ids), 2, 2))
     links = joint.ranges.links
     batch = smooth_ranges(joint.problem, joint.ranges)
+    doubts = range_doubts(joint.ranges, batch)
     joint = replace(joint, problem=batch.graph)
     if passed:
         edges = len(batch.graph.edge_pairs)
         under = np.setdiff1d(edges + np.arange(len(joint.stamps_s)), links) - edges
         judged = judge(batch.graph, joint.stamps_s, ways=joint.ways, method=method, tested=under)
         if judged.verdicts or judged.loosened:
-            return joint, judged
+            return joint, judged, doubts
     tags = np.arange(len(joint.tag_ids))
-    return joint, Judgement(batch.graph, batch.solution, tags, np.zeros_like(tags), (), (), 1.0)
+    return joint, Judgement(batch.graph, batch.solution, tags, np.zeros_like(tags), (), (), 1.0), doubts
 
 
 def _sound(graphs: Mapping[str, GraphReport]) -> tuple[dict[str, GraphReport], list[TeamNotice]]:

@@ -15,8 +15,12 @@ from typing import Any
 
 _FLAGS = ["--no-sandbox", "--disable-background-networking", "--disable-component-update", "--no-first-run"]
 _STARTS_S = 600.0
-OWN_MODULE = """(async (address) => globalThis.modules$?.[address] ?? import(address))"""
-"""Script: a function that finds a module by its address, where a page has combined ones the page's own."""
+OWN_MODULE = """(async (address) => {
+  const own = globalThis.modules$;
+  while (own && !own[address]) await new Promise((done) => setTimeout(done, 10));
+  return own?.[address] ?? import(address);
+})"""
+"""Script: a function that finds a module: the page's own, once loaded, where it has combined ones."""
 
 
 class CannotMeasureError(RuntimeError):

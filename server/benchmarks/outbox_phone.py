@@ -61,7 +61,7 @@ _NEXT = f"""async ([tag, word]) => {{
 }}"""
 
 
-_MODULES = ("early", "outbox", "handover", "handover_view", "nfc", "memory_view", "reach", "state", "kept")
+_MODULES = ("outbox", "handover", "handover_view", "nfc", "memory_view", "reach", "state", "kept")
 
 
 def scripts(home: str) -> str:
@@ -73,7 +73,7 @@ def scripts(home: str) -> str:
             return text
 
     found = combine([f"/static/phone/{name}.js" for name in _MODULES], read)
-    return f"if (location.protocol !== 'about:') (async () => {{\n{found.first('')}\n}})();"
+    return f"if (location.protocol !== 'about:') (async () => {{\n{found.script(0)}\n}})();"
 
 
 class Link:

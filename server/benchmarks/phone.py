@@ -22,6 +22,7 @@ from web.mount import NODE_MODULES, STATIC, VENDOR_FILES
 from web.shell import PAGE, shell
 
 _MISSION, _TIMES, _SLOWER = "bench", 15, 4
+_STOPS_S = 0.3
 _ANSWERED = """
   new MutationObserver((_, observer) => {
     if (!document.querySelector(".where")) return;
@@ -69,11 +70,15 @@ def measure() -> dict[str, Any]:
         page.evaluate("() => navigator.serviceWorker.ready")
         page.wait_for_function("async () => (await caches.keys()).length === 2")
         page.wait_for_function(_KEPT)
-        context.new_cdp_session(page).send("Emulation.setCPUThrottlingRate", {"rate": _SLOWER})
+        devtools = context.new_cdp_session(page)
+        devtools.send("Emulation.setCPUThrottlingRate", {"rate": _SLOWER})
         for word in ("online", "offline"):
             context.set_offline(word == "offline")
             found[f"touch to answer, page opened, {word}, ms"] = _opened(page, home, tags)
             found[f"touch to answer, page open, {word}, ms"] = median(page.evaluate(_TOUCH, t) for t in tags)
+        found["touch to answer, page and worker opened, offline, ms"] = _opened_cold(
+            page, devtools, home, tags
+        )
         found |= _routes(page)
         context.close()
         found |= _over_a_slow_network(browser, home, tags[0])
@@ -88,11 +93,15 @@ def _over_a_slow_network(browser: Any, home: str, tag: str) -> dict[str, float]:
 
 
 def sizes() -> dict[str, float]:
-    """Return the size, gzipped, of what the page loads for its first answer, and of what it keeps beside."""
+    """Return sizes, gzipped: the page, which answers; with the script that leads; what it keeps beside."""
     kept = shell(Sources(STATIC, {address: NODE_MODULES / name for address, name in VENDOR_FILES.items()}))
     zipped = {address: len(gzip.compress(data, 9)) / 1000.0 for address, data in kept.files.items()}
-    first = zipped[PAGE]
-    return {"shell, kB gzipped": first, "read on demand, kB gzipped": sum(zipped.values()) - first}
+    first = zipped[PAGE] + next(size for name, size in zipped.items() if name.endswith("/phone.1.js"))
+    return {
+        "page that answers, kB gzipped": zipped[PAGE],
+        "shell, kB gzipped": first,
+        "read on demand, kB gzipped": sum(zipped.values()) - first,
+    }
 
 
 def _tags(home: str) -> list[str]:
@@ -122,6 +131,17 @@ def _opened(page: Any, home: str, tags: list[str]) -> float:
         with page.expect_console_message(lambda message: message.text.startswith("answered ")) as said:
             page.goto(f"{home}/t/{tag}", wait_until="commit")
         times.append(float(said.value.text.split()[1]))
+    return median(times)
+
+
+def _opened_cold(page: Any, devtools: Any, home: str, tags: list[str]) -> float:
+    """Return the time where the browser has stopped the page's worker, as it does after half a minute."""
+    devtools.send("ServiceWorker.enable")
+    times = []
+    for tag in tags:
+        devtools.send("ServiceWorker.stopAllWorkers")
+        time.sleep(_STOPS_S)
+        times.append(_opened(page, home, [tag]))
     return median(times)
 
 

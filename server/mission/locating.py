@@ -91,8 +91,6 @@ def radio_value(ears: Ears) -> dict[str, Any]:
         "gain_sd_db": GAIN_SD_DB,
         "exponent_sd": EXPONENT_SD,
         "wall_db": WALL_DB,
-        "scale": ears.scale,
-        "offsets_m": dict(ears.offsets_m),
     }
 
 

@@ -70,7 +70,7 @@ class PocketBaseOut(Wire):
 
 
 class PocketRadioOut(Wire):
-    """The radio of the mission's nodes: log-distance path loss, and what robots have learnt of it."""
+    """The radio of the mission's nodes: log-distance path loss."""
 
     power_at_1m_dbm: float
     path_loss_exponent: float
@@ -81,8 +81,6 @@ class PocketRadioOut(Wire):
     gain_sd_db: float = Field(description="Of phones among each other.")
     exponent_sd: float = Field(description="Of buildings among each other, as a share of the exponent.")
     wall_db: float = Field(description="What a wall takes.")
-    scale: float = Field(description="Range measured = scale * true range + the node's offset.")
-    offsets_m: dict[str, float] = Field(description="By tag id, where it is not 0.")
 
 
 class PocketPlanOut(Wire):

@@ -63,7 +63,7 @@ def _case(seed: int) -> dict[str, Any]:
     rows = ["1" * 32] * 24
     rows = [row if k % 9 else row[:7] + "2" * 15 + row[22:] for k, row in enumerate(rows)]
     plan = {"rows": rows, "origin_m": [0.0, 0.0], "resolution_m": 0.5} if seed % 4 else None
-    ears = Ears(radio, scale=1.05 if seed % 3 == 1 else 1.0, offsets_m={"N0": 0.3} if seed % 3 == 1 else {})
+    ears = Ears(radio)
     case = {"radio": radio_value(ears), "tags": tags, "signals": signals, "since": since, "plan": plan}
     return case | {"expected": expected(case, ears)}
 

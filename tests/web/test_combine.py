@@ -1,4 +1,4 @@
-"""Many modules as two scripts: they do in a browser what the modules did; errors have names."""
+"""Many modules as a few scripts: they do in a browser what the modules did; errors have names."""
 
 from __future__ import annotations
 
@@ -44,6 +44,7 @@ export { n as name, n };
 import { unit } from "./shapes.js";
 ran("aside");
 export const seen = unit;
+export const last = () => import("./last.js").then(({ word }) => word);
 """,
     "/m/main.js": """import { order, ran } from "./tally.js";
 import join from "/lib/small.js";
@@ -57,9 +58,10 @@ export const found = {
   joined: join("!"), name, area: measured(new Square(3)), value, three: [...three()],
   whole: Object.keys(all).sort(), same: all.unit === unit,
 };
-const { seen } = await import("./aside.js");
-export const again = [seen === unit, (await import("./shapes.js")).unit === unit, order];
+const { seen, last } = await import("./aside.js");
+export const again = [seen === unit, (await import("./shapes.js")).unit === unit, await last(), order];
 """,
+    "/m/last.js": 'import { ran } from "./tally.js";\nran("last");\nexport const word = "last";\n',
     "/m/effect.js": 'import { ran } from "./tally.js";\nran("effect");\n',
 }
 FOUND = {
@@ -96,15 +98,14 @@ def page_with(browser: Browser, serve: Any, files: Mapping[str, str]) -> Any:
 
 def test_combined_modules_do_in_a_browser_what_modules_do(browser: Browser, serve: Any) -> None:
     made = combined(FORMS, "/m/main.js")
-    assert "/m/aside.js" in made.later_modules
-    page = page_with(
-        browser, serve, {**FORMS, "/all.js": made.first("./all.later.js"), "/all.later.js": made.later}
-    )
+    assert [step.modules for step in made.steps[1:]] == [("/m/aside.js",), ("/m/last.js",)]
+    scripts = {f"/{k}.js": made.script(k, f"./{k + 1}.js") for k in range(3)}
+    page = page_with(browser, serve, FORMS | scripts)
     plain = page.evaluate("import('/m/main.js').then(({ found, again }) => [found, again])")
-    one = page.evaluate("import('/all.js').then(() => Object.values(modules$['/m/main.js']))")
+    one = page.evaluate("import('/0.js').then(() => Object.values(modules$['/m/main.js']))")
     page.close()
     assert plain == one
-    assert one == [FOUND, [True, True, ["shapes", "effect", "main", "aside"]]]
+    assert one == [FOUND, [True, True, "last", ["shapes", "effect", "main", "aside", "last"]]]
 
 
 @pytest.mark.parametrize(
@@ -149,18 +150,27 @@ def test_each_module_is_there_once_behind_all_that_it_imports(above: list[set[in
         then = "".join(f'export const f{j} = () => import("./{j}.js");\n' for j in sorted(asked - isfirst[k]))
         files[f"/{k}.js"] = f"{now}{then}export const n = {k};\n"
     made = combined(files, f"/{len(above) - 1}.js")
-    order = [int(name[1:-3]) for name in (*made.first_modules, *made.later_modules)]
-    assert len(set(order)) == len(order)
-    for place, k in enumerate(order):
-        assert isfirst[k] <= set(order[:place])
-        assert needs[k] <= set(order)
-        assert f'modules["/{k}.js"] = {{ ' in (made.body if place < len(made.first_modules) else made.later)
-    reached, waiting = set(), [len(above) - 1]
-    while waiting:
-        k = waiting.pop()
+    there: list[int] = []
+    asked = {len(above) - 1}
+    for step in made.steps:
+        here = [int(name[1:-3]) for name in step.modules]
+        assert _reached(asked, isfirst) - set(there) == set(here)
+        for k in here:
+            assert isfirst[k] <= set(there)
+            assert f'modules["/{k}.js"] = {{ ' in step.body
+            there.append(k)
+        asked = {j for k in here for j in needs[k]} - set(there)
+    assert asked == set()
+    assert len(set(there)) == len(there)
+
+
+def _reached(asked: set[int], isfirst: Mapping[int, set[int]]) -> set[int]:
+    reached: set[int] = set()
+    while asked:
+        k = asked.pop()
         reached.add(k)
-        waiting += isfirst[k] - reached
-    assert reached == set(order[: len(made.first_modules)])
+        asked |= isfirst[k] - reached
+    return reached
 
 
 def test_the_phones_modules_export_in_one_what_they_export_alone(browser: Browser, serve: Any) -> None:
@@ -174,7 +184,7 @@ def test_the_phones_modules_export_in_one_what_they_export_alone(browser: Browse
           while (!modules["/static/phone/rest.js"]) await new Promise((resolve) => setTimeout(resolve, 20));
           const differ = {};
           for (const [address, one] of Object.entries(modules)) {
-            if (address === "/static/phone/phone.js") continue; // it would begin a second time
+            if (address === "/static/phone/first.js") continue; // it would begin a second time
             const alone = await import(address);
             const kindOf = (it) => Object(it) === it ? `${typeof it} ${it.length}` : it;
             const kinds = (all) => Object.keys(all).sort().map((name) => [name, kindOf(all[name])]).join();
@@ -208,8 +218,8 @@ def test_a_source_that_changes_makes_another_file(tmp_path: Any) -> None:
         Sources(folder, {name: NODE_MODULES / file for name, file in VENDOR_FILES.items()}), SECURITY_HEADERS
     )
     before = made.find("/phone")
-    words = folder / "phone" / "words.js"
-    words.write_text(words.read_text().replace("const UNCERTAIN_M", "const KEPT = 1;\nconst UNCERTAIN_M"))
+    address = folder / "phone" / "address.js"
+    address.write_text("const KEPT = 1;\n" + address.read_text())
     after = made.find("/phone")
     assert before is not None
     assert after is not None

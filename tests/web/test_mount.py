@@ -201,14 +201,16 @@ def test_the_phones_worker_keeps_every_file_as_it_is_served(serve: Callable[[Fas
         for address, expected in files.items():
             assert hashlib.sha256(client.get(address).content).hexdigest() == expected, address
         page = client.get("/t/A-017")
-        (later,) = re.findall(r"/app/[0-9a-f]{16}/phone\.later\.js", page.text)
-        assert later in files
+        later = page
+        for step in (1, 2):
+            (name,) = re.findall(rf"/app/[0-9a-f]{{16}}/phone\.{step}\.js", later.text)
+            assert name in files
+            later = client.get(name)
         assert not re.search(r'stylesheet|<script[^>]* src="', page.text)  # the answer needs no other file
         assert client.get("/phone", headers={"If-None-Match": page.headers["etag"]}).status_code == 304
-        script = client.get(later)
-        assert "immutable" in script.headers["cache-control"]
-        assert script.headers["content-encoding"] == "gzip"
-        other = client.get(re.sub(r"[0-9a-f]{16}", "0" * 16, later))
+        assert "immutable" in later.headers["cache-control"]
+        assert later.headers["content-encoding"] == "gzip"
+        other = client.get(re.sub(r"[0-9a-f]{16}", "0" * 16, name))
         assert (other.status_code, other.text) == (
             404,
             "This file is of another version of the page: reload the page.",
@@ -221,4 +223,7 @@ def test_the_phones_worker_keeps_every_file_as_it_is_served(serve: Callable[[Fas
 @pytest.mark.skipif(not HAS_PACKAGES, reason="the npm packages are not installed: run make setup")
 def test_what_a_phone_loads_for_its_first_answer_is_small() -> None:
     kept = shell(Sources(STATIC, {address: NODE_MODULES / name for address, name in VENDOR_FILES.items()}))
-    assert 20_000 < len(gzip.compress(kept.page, 9)) < 80_000
+    (name,) = (name for name in kept.files if name.endswith("/phone.1.js"))
+    first, then = (len(gzip.compress(part, 9)) for part in (kept.page, kept.files[name]))
+    assert 3_000 < first < 10_000
+    assert 20_000 < first + then < 80_000

@@ -129,6 +129,7 @@ def test_the_page_brings_the_answer_with_it(field: Field, context: BrowserContex
     page = context.new_page()
     response = page.goto(f"{field.home}/t/{tag}?mission=drill")
     expect(page.get_by_text(f"You are at tag {tag}")).to_be_visible(timeout=SOON_MS)
+    expect(page.get_by_text("Loading.")).to_be_visible(timeout=SOON_MS)  # the rest does not come
     assert response is not None
     assert response.headers["cache-control"] == "private, no-store"
     with httpx.Client(base_url=field.home, headers={"Accept-Language": "fr, de;q=0.8, en"}) as client:

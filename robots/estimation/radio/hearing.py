@@ -1,8 +1,9 @@
 """From what a person's device hears of nodes to ranges, as ``locating.py`` takes them.
 
-The model is the robots' (``model.py``), with what their RSLAM has learnt of these radios so far. A phone is
-another receiver, of unknown gain, held otherwise by everybody: what it hears is off by the same dB for all
-nodes.
+The model is the robots' (``model.py``). A phone is another receiver, of unknown gain, held otherwise by
+everybody: what it hears is off by the same dB for all nodes. What robots' RSLAM has learnt (scale, offsets)
+is for ranges in metres alone: by signal it holds the gain of their receiver and what walls took, which the
+plan counts already.
 """
 
 from __future__ import annotations
@@ -64,7 +65,7 @@ class Ears:
             if mean is None:
                 return None
             value, count = mean.rssi_dbm, mean.readings
-        range_m = self._true(node.node_id, model.distance_m(value))
+        range_m = model.distance_m(value)
         fading = log(10.0) / (10.0 * self.radio.path_loss_exponent) * self.radio.fading_sd_db / sqrt(count)
         return Heard(node.node_id, node.x_m, node.y_m, node.sd_m, range_m, max(fading, _LEAST_SD))
 

@@ -145,34 +145,3 @@ def _plan_cost(classes: NDArray[np.uint8], origin: tuple[float, float, float], x
         return _UNKNOWN_COST
     kind = classes[row, column]
     return 0.0 if kind == _FREE else _WALL_COST if kind == _WALL else _UNKNOWN_COST
-
-
-def pieces_of(weights: Array, least: float) -> list[tuple[float, float, int, int, int, int]]:
-    """Return the pieces of the cells (n, n) above a share of the best, those of the greatest sum first.
-
-    Each: its middle (row and column), its first and last row, and its first and last column. Cells that touch
-    at a corner are of one piece.
-    """
-    count = len(weights)
-    kept = (weights > least * weights.max()).tolist()
-    values = weights.tolist()
-    found = []
-    for start in range(count * count):
-        if not kept[start // count][start % count]:
-            continue
-        kept[start // count][start % count] = False
-        stack, total, in_row, in_column = [start], 0.0, 0.0, 0.0
-        top = bottom = start // count
-        left = right = start % count
-        while stack:
-            row, column = divmod(stack.pop(), count)
-            weight = values[row][column]
-            total, in_row, in_column = total + weight, in_row + weight * row, in_column + weight * column
-            top, bottom, left, right = min(top, row), max(bottom, row), min(left, column), max(right, column)
-            for r in range(max(0, row - 1), min(count, row + 2)):
-                for c in range(max(0, column - 1), min(count, column + 2)):
-                    if kept[r][c]:
-                        kept[r][c] = False
-                        stack.append(r * count + c)
-        found.append((total, (in_row / total, in_column / total, top, bottom, left, right)))
-    return [piece for _, piece in sorted(found, key=lambda each: -each[0])]

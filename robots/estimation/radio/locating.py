@@ -1,8 +1,8 @@
 """Where somebody is who hears a few nodes whose places are known, by how far off each of them sounds.
 
-The probability of each place on a grid, drawn finer and finer round what is left of it: rings, two places
-that mirror each other and what walls take away need no approximation. The phone has the same in
-``web/static/phone/locating.js``; both are held to ``tests/vectors/node_places.json``.
+The probability of each place on a grid, drawn finer and finer round what is left of it (``places.py``):
+rings, two places that mirror each other and what walls take away need no approximation. The phone has the
+same in ``web/static/phone/locating.js``; both are held to ``tests/vectors/node_places.json``.
 
 A range m to a node at distance d, through w walls that take c each (in ln d):
     by signal:  ln m ~ N(ln d + c w + g + e ln d, s(d)^2 + f^2 + (node's sd / d)^2 + v c^2 (w + 1/2))
@@ -22,23 +22,16 @@ from math import exp, hypot, log, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from robots.estimation.radio.likelihood import CELLS, costs_on, pieces_of
+from robots.estimation.radio.likelihood import CELLS, costs_on
 from robots.estimation.radio.model import NEAREST_M
+from robots.estimation.radio.places import Place, drawn, places_of
 from robots.se2 import Array
 
 MOST = 12  # readings that are looked at, the nearest
 _BEYOND_SD = 3.0
-_TO_ZOOM, _TO_SPLIT = 1e-4, 1e-2  # of the most probable cell: what is less is left out
-_SHRUNK = 0.5  # of a side: while it shrinks more, it is drawn anew
-_ZOOMS = 14
-_PLACES, _LEAST_SHARE = 6, 0.03
-_HOLLOW = 0.1  # of the most probable cell: a middle that is less is no place
 _FITS_SD = 4.0
 _RING_STEPS = 400
 _NOWHERE = (0.0, 0.0, 1.0, -1.0)
-_NO_BORDERS = np.zeros((0, 4))
-
-_Drawn = tuple[Array, Array]  # costs, and the box they are drawn on
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,19 +84,6 @@ class Radio:
         """Return the deviation in ln d of a signal from so far, but for its fading."""
         shadow = float(np.interp(distance_m, self.distances_m, self.shadow_sds))
         return hypot(shadow, self.gain_sd, self.exponent_sd * log(max(distance_m, NEAREST_M)))
-
-
-@dataclass(frozen=True, slots=True)
-class Place:
-    """One place that fits: mean, covariance (m2) and share; ``is_hollow``: its very middle does not fit."""
-
-    x_m: float
-    y_m: float
-    var_x: float
-    var_xy: float
-    var_y: float
-    share: float
-    is_hollow: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -160,54 +140,8 @@ def _places(
 ) -> tuple[tuple[Place, ...], float]:
     """Return the places that fit, and what the readings cost (chi-square) at the best."""
     rows = _rows(heard)
-    drawn: list[_Drawn] = []
-    waiting = [(_box(rows, radio, since), _NO_BORDERS, 0)]
-    while waiting and len(drawn) < _PLACES:
-        box, borders, depth = waiting.pop()
-        costs = _within(_costs(rows, radio, since, plan, box), box, borders)
-        weights = np.exp(-0.5 * (costs - costs.min()))
-        pieces = pieces_of(weights, _TO_SPLIT)
-        top, bottom, left, right = _outline(weights > _TO_ZOOM)
-        if depth < _ZOOMS and len(pieces) > 1:
-            middles = [(box[0] + (c + 0.5) * box[2], box[1] + (r + 0.5) * box[3]) for r, c, *_ in pieces]
-            for k in reversed(range(len(pieces))):
-                new = [(*middles[k], *other) for j, other in enumerate(middles) if j != k]
-                waiting.append((_cut(box, pieces[k][2:]), np.vstack([borders, new]), depth + 1))
-        elif depth < _ZOOMS and max(bottom - top, right - left) + 1 <= _SHRUNK * CELLS:
-            waiting.append((_cut(box, (top, bottom, left, right)), borders, depth + 1))
-        else:
-            drawn.append((costs, box))
-    least = min(float(costs.min()) for costs, _ in drawn)
-    masses = [float(np.exp(-0.5 * (costs - least)).sum() * box[2] * box[3]) for costs, box in drawn]
-    places = [_moments(*each, mass / sum(masses)) for each, mass in zip(drawn, masses, strict=True)]
-    kept = [place for place in places if place.share >= _LEAST_SHARE]
-    chi2 = min(_chi2(rows, radio, plan, *each) for each in drawn)
-    return tuple(sorted(kept, key=lambda place: -place.share)), chi2
-
-
-def _within(costs: Array, box: Array, borders: Array) -> Array:
-    """Leave out cells that are nearer to another piece: ``borders`` (n, 4), own middle and the other's."""
-    xs, ys = _centres(box)
-    x, y = xs[None, :], ys[:, None]
-    for own_x, own_y, other_x, other_y in borders:
-        beyond = (x - other_x) ** 2 + (y - other_y) ** 2 < (x - own_x) ** 2 + (y - own_y) ** 2
-        costs = np.where(beyond, np.inf, costs)
-    return costs
-
-
-def _outline(kept: NDArray[np.bool_]) -> tuple[int, int, int, int]:
-    """Return the first and last row and column of cells that are kept."""
-    rows, columns = np.nonzero(kept)
-    return int(rows.min()), int(rows.max()), int(columns.min()), int(columns.max())
-
-
-def _cut(box: Array, kept: tuple[int, int, int, int]) -> Array:
-    """Return the box of some cells and a quarter as many on all sides: lowest x and y, size of a cell."""
-    top, bottom, left, right = kept
-    aside, above = 1 + (right - left) // 4, 1 + (bottom - top) // 4
-    x, y, size_x, size_y = box
-    wide, high = (right - left + 1 + 2 * aside) * size_x, (bottom - top + 1 + 2 * above) * size_y
-    return np.array([x + (left - aside) * size_x, y + (top - above) * size_y, wide / CELLS, high / CELLS])
+    cells = drawn(lambda box: _costs(rows, radio, since, plan, box), _box(rows, radio, since))
+    return places_of(cells), _chi2(rows, radio, plan, cells[int(np.argmin(cells[:, 4]))])
 
 
 def _box(rows: Array, radio: Radio, since: Since | None) -> Array:
@@ -231,10 +165,9 @@ def _costs(rows: Array, radio: Radio, since: Since | None, plan: Plan | None, bo
     return np.asarray(costs_on(rows, box, *_shared(radio), told, *_arrays(plan), True))
 
 
-def _chi2(rows: Array, radio: Radio, plan: Plan | None, costs: Array, box: Array) -> float:
-    """Return what the readings alone cost at the best cell."""
-    row, column = np.unravel_index(int(np.argmin(costs)), costs.shape)
-    here = np.array([box[0] + column * box[2], box[1] + row * box[3], box[2], box[3]])
+def _chi2(rows: Array, radio: Radio, plan: Plan | None, cell: Array) -> float:
+    """Return what the readings alone cost at a cell: middle, size along x and y."""
+    here = np.concatenate([cell[:2] - cell[2:4] / 2.0, cell[2:4]])
     return float(costs_on(rows, here, *_shared(radio), _NOWHERE, *_arrays(plan), False)[0, 0])
 
 
@@ -247,18 +180,6 @@ def _arrays(plan: Plan | None) -> tuple[NDArray[np.uint8], tuple[float, float, f
     if plan is None:
         return np.zeros((1, 1), np.uint8), (0.0, 0.0, 0.0)
     return plan.classes, (*plan.origin_m, plan.resolution_m)
-
-
-def _moments(costs: Array, box: Array, share: float) -> Place:
-    weights = np.exp(-0.5 * (costs - costs.min()))
-    total = float(weights.sum())
-    xs, ys = _centres(box)
-    in_x, in_y = weights.sum(axis=0) / total, weights.sum(axis=1) / total
-    x, y = float(in_x @ xs), float(in_y @ ys)
-    var_x, var_y = float(in_x @ (xs - x) ** 2), float(in_y @ (ys - y) ** 2)
-    var_xy = float((ys - y) @ weights @ (xs - x)) / total
-    row, column = int((y - box[1]) / box[3]), int((x - box[0]) / box[2])
-    return Place(x, y, var_x, var_xy, var_y, share, bool(weights[row, column] < _HOLLOW))
 
 
 def _ring(heard: Heard, radio: Radio) -> Ring:
@@ -281,11 +202,6 @@ def _rows(heard: Sequence[Heard]) -> Array:
     return np.array(
         [[h.x_m, h.y_m, h.place_sd_m, max(h.range_m, NEAREST_M), h.log_sd, h.sd_m] for h in heard]
     )
-
-
-def _centres(box: Array) -> tuple[Array, Array]:
-    steps = np.arange(CELLS) + 0.5
-    return box[0] + steps * box[2], box[1] + steps * box[3]
 
 
 def _most_cost(readings: int) -> float:

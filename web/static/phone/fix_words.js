@@ -3,7 +3,8 @@
 import { say } from "./texts.js";
 import { bearingFrom, compassPoint, metres } from "./words.js";
 
-/** @import {Located, Spot} from "./locating.js" */
+/** @import {Located} from "./locating.js" */
+/** @import {Spot} from "./places.js" */
 /** @import {PocketTag} from "./types.js" */
 /** @typedef {import("./texts.js").Key} Key */
 

@@ -1,8 +1,9 @@
 /** The way there: one arrow, one number, the next tag; spoken on request. */
 
 import { html } from "../console/vendor.js";
+import { language } from "./language.js";
 import { state } from "./state.js";
-import { language, say } from "./texts.js";
+import { say } from "./texts.js";
 import { lead, target, touch } from "./touch.js";
 import { bearing, metres } from "./words.js";
 

@@ -33,10 +33,9 @@ function bySignal(radio, tag, rssis) {
   const mean = robustMean(rssis.filter(Number.isFinite), radio.fading_sd_db);
   if (!mean) return null;
   const decades = (radio.power_at_1m_dbm - mean.rssi) / (10 * radio.path_loss_exponent);
-  const median = Math.max(10 ** Math.min(decades, 6), NEAREST_M);
   const fading = ((Math.LN10 / (10 * radio.path_loss_exponent)) * radio.fading_sd_db) / Math.sqrt(mean.count);
   const log_sd = Math.max(fading, LEAST_SD);
-  const range_m = Math.max((median - (radio.offsets_m[tag.tag_id] ?? 0)) / radio.scale, NEAREST_M);
+  const range_m = Math.max(10 ** Math.min(decades, 6), NEAREST_M);
   return { node_id: tag.tag_id, x_m: tag.x_m, y_m: tag.y_m, place_sd_m: tag.sd_m / Math.SQRT2, range_m, log_sd, sd_m: 0 };
 }
 

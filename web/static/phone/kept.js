@@ -1,34 +1,34 @@
 /** What the phone keeps over reloads: missions, reports that wait, and small facts, in IndexedDB. */
 
-import "./early.js";
-
 /** @typedef {"pockets" | "outbox" | "facts"} StoreName */
 
-const early = /** @type {{kept$: import("./types.js").Early}} */ (/** @type {unknown} */ (globalThis)).kept$;
-let opening = watched(early.first);
+const STORES = { pockets: "mission_id", outbox: "id", facts: "name" };
 
-/** Missions as they were when the page began to be read. @returns {Promise<any[]>} */
-export const firstPockets = () => early.pockets;
-
-/** @param {Promise<IDBDatabase>} coming */
-function watched(coming) {
-  /** @type {Promise<IDBDatabase> | null} */
-  let mine = coming;
-  coming.then((database) => {
-    database.onversionchange = () => database.close();
-    database.onclose = () => (mine = null);
-  }, () => (mine = null));
-  return () => mine;
-}
+/** @type {Promise<IDBDatabase> | null} */
+let database = null;
 
 /** @returns {Promise<IDBDatabase>} opened anew where the browser has closed it or could not open it */
 function open() {
-  const there = opening();
-  if (there) return there;
-  const anew = early.open();
-  opening = watched(anew);
-  return anew;
+  database ??= opened().catch((error) => {
+    database = null;
+    throw error;
+  });
+  return database;
 }
+
+/** @returns {Promise<IDBDatabase>} */
+const opened = () => new Promise((resolve, reject) => {
+  const asked = indexedDB.open("waymark", 1);
+  asked.onupgradeneeded = () => {
+    for (const [name, keyPath] of Object.entries(STORES)) asked.result.createObjectStore(name, { keyPath });
+  };
+  asked.onerror = () => reject(asked.error);
+  asked.onsuccess = () => {
+    asked.result.onversionchange = () => asked.result.close();
+    asked.result.onclose = () => (database = null);
+    resolve(asked.result);
+  };
+});
 
 /**
  * @template T

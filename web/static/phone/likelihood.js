@@ -6,7 +6,6 @@
  * deviation as a share. @typedef {{gain_sd: number, wall: number, reach_m: number, exponent_sd: number, distances_m: number[], shadow_sds: number[]}} Shared */
 /** @typedef {{x_m: number, y_m: number, sd_m: number, at_most_m: number}} Since */
 /** Classes 0 unknown, 1 free, 2 wall, row 0 at the lowest y. @typedef {{classes: Uint8Array, width: number, height: number, origin_m: number[], resolution_m: number}} Ground */
-/** Middle (row, column), first and last row, first and last column. @typedef {[number, number, number, number, number, number]} Piece */
 
 export const CELLS = 48;
 export const NEAREST_M = 0.05;
@@ -136,35 +135,4 @@ function wallsBetween({ classes, width, height, origin_m, resolution_m }, fromX,
     }
   }
   return count;
-}
-
-/** The pieces of the cells above a share of the best, those of the greatest sum first. @param {Float64Array} weights @param {number} least @returns {Piece[]} */
-export function piecesOf(weights, least) {
-  const bound = least * weights.reduce((most, weight) => Math.max(most, weight), 0);
-  const kept = Array.from(weights, (weight) => weight > bound);
-  /** @type {{total: number, piece: Piece}[]} */
-  const found = [];
-  for (let start = 0; start < kept.length; start += 1) {
-    if (!kept[start]) continue;
-    kept[start] = false;
-    const stack = [start];
-    let [total, inRow, inColumn] = [0, 0, 0];
-    let [top, bottom, left, right] = [CELLS, -1, CELLS, -1];
-    for (let at = stack.pop(); at !== undefined; at = stack.pop()) {
-      const [row, column] = [Math.floor(at / CELLS), at % CELLS];
-      total += weights[at];
-      inRow += weights[at] * row;
-      inColumn += weights[at] * column;
-      [top, bottom, left, right] = [Math.min(top, row), Math.max(bottom, row), Math.min(left, column), Math.max(right, column)];
-      for (let r = Math.max(0, row - 1); r < Math.min(CELLS, row + 2); r += 1) {
-        for (let c = Math.max(0, column - 1); c < Math.min(CELLS, column + 2); c += 1) {
-          if (!kept[r * CELLS + c]) continue;
-          kept[r * CELLS + c] = false;
-          stack.push(r * CELLS + c);
-        }
-      }
-    }
-    found.push({ total, piece: [inRow / total, inColumn / total, top, bottom, left, right] });
-  }
-  return found.sort((a, b) => b.total - a.total).map(({ piece }) => piece);
 }

@@ -2,10 +2,11 @@
 
 import { html } from "../console/vendor.js";
 import { get, put } from "./kept.js";
+import { language } from "./language.js";
 import { memoryIn, memoryOnChip, sentencesOf } from "./memory.js";
 import { ask, missionPath } from "./reach.js";
 import { changed, state } from "./state.js";
-import { language, say } from "./texts.js";
+import { say } from "./texts.js";
 import { compassPoint } from "./words.js";
 
 /** @import {Memory, Said} from "./memory.js" */

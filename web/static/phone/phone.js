@@ -1,18 +1,21 @@
 /** The responder's phone at a tag: where am I, who is near, the way there tag by tag. What else the page has comes once the answer stands. */
 
 import { html, render } from "../console/vendor.js";
+import { here } from "./address.js";
 import { Guide } from "./guide.js";
+import { language } from "./language.js";
+import { loaded } from "./loaded.js";
+import { painted } from "./painted.js";
 import { whereText } from "./past.js";
 import { opened } from "./pockets.js";
 import { changed, onChange, state } from "./state.js";
-import { language, say } from "./texts.js";
-import { toldOf } from "./told.js";
+import { say } from "./texts.js";
+import { told } from "./told.js";
 import { answer, lead, target, touch } from "./touch.js";
+import { wordsOf } from "./where.js";
 import { metres, rounded } from "./words.js";
 
 /** @typedef {import("./texts.js").Key} Key */
-
-const RETRY_MS = 3000;
 
 /** @type {typeof import("./rest.js") | null} */
 let rest = null;
@@ -25,11 +28,12 @@ function Page() {
     ${state.said && html`<p role="status">${state.said}</p>`}`;
   if (!where) return html`<h1>${say("which_tag")}</h1>${trouble}${rest && html`<${rest.WhichTag} />`}`;
   const goal = target();
-  return html`<h1>${say("tag", { tag: where.tag_id })}</h1>
+  const { title, text, warning } = wordsOf({ ...where, text: whereText(where) });
+  return html`<h1>${title}</h1>
     ${trouble}
     ${goal && state.route && html`<${Guide} route=${state.route} to=${goal.to} />`}
-    <p class="where">${whereText(where)}${where.sd_m > 1 ? ` ${say("place_unsure", { far: metres(where.sd_m) })}` : ""}</p>
-    ${where.notice && html`<p class="trouble">${say(/** @type {Key} */ (`tag_${where.state ?? "doubtful"}`))}</p>`}
+    <p class="where">${text}</p>
+    ${warning && html`<p class="trouble">${warning}</p>`}
     ${where.victims.length > 0 && html`<h2>${say("lead_me_to")}</h2><ul>${where.victims.map(NearVictim)}</ul>`}
     ${rest && html`<${rest.AtTag} mission=${where.mission_name} />`}`;
 }
@@ -53,42 +57,6 @@ function draw() {
   render(html`<${rest.Mayday} />`, place("foot"));
 }
 
-/** A link that was damaged on its way names a tag that nobody knows, and so is told. @param {string} text */
-function decoded(text) {
-  try {
-    return decodeURIComponent(text);
-  } catch {
-    return text;
-  }
-}
-
-/** The tag and mission that an address of this page names. */
-function here(address = new URL(location.href)) {
-  const [, first, tag] = address.pathname.split("/");
-  return /** @type {const} */ ([first === "t" ? decoded(tag ?? "") : "", address.searchParams.get("mission")]);
-}
-
-/** Until the browser has painted, or would have: a page in the background paints nothing. */
-const painted = () => new Promise((resolve) => {
-  requestAnimationFrame(() => setTimeout(resolve));
-  setTimeout(resolve, 300);
-});
-
-/** @returns {Promise<typeof import("./rest.js")>} once it is here, however long the server is out of reach */
-async function theRest() {
-  const trouble = say("half_loaded");
-  for (;;) {
-    try {
-      const found = await import("./rest.js");
-      if (state.trouble === trouble) state.trouble = "";
-      return found;
-    } catch {
-      changed({ trouble });
-      await new Promise((resolve) => setTimeout(resolve, RETRY_MS));
-    }
-  }
-}
-
 /** When a touch has opened this page, by the phone's clock; null where it was loaded again or gone back to. */
 function openedByTag() {
   const [how] = /** @type {PerformanceNavigationTiming[]} */ (performance.getEntriesByType("navigation"));
@@ -96,19 +64,22 @@ function openedByTag() {
   return how?.type === "navigate" ? (Date.now() - performance.now()) / 1000 : null;
 }
 
-document.documentElement.lang = language();
-const [tagId, mission] = here();
-const told = toldOf(tagId);
-if (!told) await opened;
-onChange(draw);
-place("page").textContent = "";
-if (!tagId) answer();
-touch(tagId, mission, true, told, openedByTag());
-addEventListener("popstate", () => touch(...here(), true));
-await painted();
-rest = await theRest();
-rest.start();
-// an installed page that is open takes the tag that was touched, without loading anything
-/** @type {any} */ (globalThis).launchQueue?.setConsumer((/** @type {{targetURL?: string}} */ { targetURL }) => {
-  if (targetURL && targetURL !== location.href) touch(...here(new URL(targetURL)), false, null, Date.now() / 1000);
-});
+/** What is there already says the same: it is taken over as it stands. */
+export async function begin() {
+  document.documentElement.lang = language();
+  await opened;
+  onChange(draw);
+  const [tagId, mission] = here();
+  if (!tagId) answer();
+  touch(tagId, mission, true, told, openedByTag());
+  addEventListener("popstate", () => touch(...here(), true));
+  await painted();
+  const trouble = say("half_loaded");
+  rest = await loaded(() => import("./rest.js"), () => changed({ trouble }));
+  if (state.trouble === trouble) state.trouble = "";
+  rest.start();
+  // an installed page that is open takes the tag that was touched, without loading anything
+  /** @type {any} */ (globalThis).launchQueue?.setConsumer((/** @type {{targetURL?: string}} */ { targetURL }) => {
+    if (targetURL && targetURL !== location.href) touch(...here(new URL(targetURL)), false, null, Date.now() / 1000);
+  });
+}

@@ -1,25 +1,23 @@
 /** The missions on this phone: which one a tag belongs to, and getting the newest of each while the server is in reach. */
 
-import { drop, firstPockets, put } from "./kept.js";
+import { byLikelihood, isParsed, missionsWith, pocketOf } from "./carried.js";
+import { all, drop, put } from "./kept.js";
 import { asOf, ask, missionPath, read } from "./reach.js";
 
 /** @import {Pocket} from "./types.js" */
-/** `as_of_s`: when this was the latest, by the server's clock; `parts`: names of the large ones by their content.
- * @typedef {{mission_id: string, mission_name: string, state: string, created_unix_s: number, etag: string, parts?: Record<string, string>, text: string, as_of_s: number, tag_ids: string[]}} Kept */
+/** @import {Kept} from "./carried.js" */
 
 const MOST = 4; // missions on a phone
 const OVER = ["closed", "archived"];
 
 /** @type {Map<string, Kept>} */
 const kept = new Map();
-/** @type {{text: string, pocket: Pocket} | null} */
-let parsed = null;
 /** @type {string[] | null} */
 let goingOn = null;
 export const pockets = { isFull: false };
 
 /** What the phone has. A storage that cannot be read is an empty one. */
-export const opened = firstPockets().catch(() => []).then((items) => {
+export const opened = all("pockets").catch(() => []).then((items) => {
   for (const item of items) kept.set(item.mission_id, item);
 });
 
@@ -27,10 +25,6 @@ export const opened = firstPockets().catch(() => []).then((items) => {
 export function missions() {
   return [...kept.values()].sort(byLikelihood);
 }
-
-/** @typedef {{state: string, created_unix_s: number}} Standing */
-/** @param {Standing} a @param {Standing} b */
-const byLikelihood = (a, b) => Number(b.state === "running") - Number(a.state === "running") || b.created_unix_s - a.created_unix_s;
 
 /**
  * The mission that a tag is of.
@@ -40,14 +34,8 @@ const byLikelihood = (a, b) => Number(b.state === "running") - Number(a.state ==
  * @returns {Kept | null}
  */
 export function missionOf(tagId, missionId, own) {
-  const all = missions().filter((item) => item.tag_ids.includes(tagId) && (!missionId || item.mission_id === missionId));
-  return all.find(({ mission_id }) => mission_id === own && !isOver(own)) ?? all[0] ?? null;
-}
-
-/** @param {Kept} item @returns {Pocket} */
-export function open(item) {
-  if (parsed?.text !== item.text) parsed = { text: item.text, pocket: JSON.parse(item.text) };
-  return parsed.pocket;
+  const able = missionsWith([...kept.values()], tagId, missionId);
+  return able.find(({ mission_id }) => mission_id === own && !isOver(own)) ?? able[0] ?? null;
 }
 
 /** @param {string} missionId */
@@ -80,9 +68,9 @@ async function newest(missionId) {
   try {
     const told = await response.json();
     /** @type {Pocket} */
-    const pocket = { ...(known && open(known)), ...told };
+    const pocket = { ...(known && pocketOf(known)), ...told };
     const text = JSON.stringify(pocket);
-    parsed = { text, pocket };
+    isParsed(text, pocket);
     const { mission_id, mission_name, state, created_unix_s, parts, tags } = pocket;
     await keep({ mission_id, mission_name, state, created_unix_s, etag: response.headers.get("ETag") ?? "", parts, text, as_of_s: asOf(response),
       tag_ids: tags.map(({ tag_id }) => tag_id) });

@@ -1,6 +1,7 @@
 /** A report in one line. */
 
-import { language, plain, say } from "./texts.js";
+import { language } from "./language.js";
+import { plain, say } from "./texts.js";
 
 /** @import {Report} from "./outbox.js" */
 /** @typedef {import("./texts.js").Key} Key */

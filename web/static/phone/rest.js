@@ -5,6 +5,8 @@ import { Alarm, listenForOrders, Mayday } from "./alarm.js";
 import { countSteps, placeNow } from "./between.js";
 import { askForSensors, needsAsking, watchCompass } from "./compass.js";
 import { Doubt, Entry } from "./entry.js";
+import { put } from "./kept.js";
+import { language, speak, SPOKEN } from "./language.js";
 import { Nodes } from "./listen.js";
 import { MemoryView } from "./memory_view.js";
 import { openOutbox } from "./outbox.js";
@@ -14,7 +16,7 @@ import { Word } from "./report.js";
 import { keepHere, WithoutHttps } from "./shell.js";
 import { Standing } from "./standing.js";
 import { changed, onChange, state } from "./state.js";
-import { language, LANGUAGES, say, speak } from "./texts.js";
+import { LANGUAGES, say } from "./texts.js";
 import { answer, keepFresh, target } from "./touch.js";
 import { stayAwake } from "./wake.js";
 import { WayOut } from "./way_out.js";
@@ -51,11 +53,15 @@ function Between() {
 function Languages() {
   const others = Object.entries(LANGUAGES).filter(([name]) => name !== language());
   return html`${others.map(([name, { name: own }]) => html`<button key=${name} type="button" lang=${name}
-    onClick=${() => { speak(name); answer(); changed(); }}>${own}</button>`)}`;
+    onClick=${() => { speak(name); keepSpoken(); answer(); changed(); }}>${own}</button>`)}`;
 }
+
+/** The worker reads it: it knows nothing of what was chosen here. */
+const keepSpoken = () => put("facts", { name: SPOKEN, value: language() }).catch(() => undefined);
 
 /** Begin all that goes on while the page is open. */
 export function start() {
+  keepSpoken();
   changed();
   onReach(changed);
   watchCompass(changed);

@@ -3,6 +3,12 @@
  * changes whenever one of them does. A version is kept whole or not at all, and an old one goes only with the next.
  */
 
+import { here } from "./address.js";
+import { tell } from "./tell.js";
+
+const LONGEST_MS = 1000;
+const TOLD = '<script type="application/json" id="told">';
+
 const sw = /** @type {any} */ (self);
 /** @type {Record<string, string>} */
 const FILES = sw.FILES;
@@ -20,7 +26,7 @@ sw.addEventListener("fetch", (/** @type {any} */ event) => {
   const request = event.request;
   const { origin, pathname } = new URL(request.url);
   if (request.method !== "GET" || origin !== sw.location.origin) return;
-  if (request.mode === "navigate" && /^\/(phone|t)(\/|$)/.test(pathname)) event.respondWith(find(PAGE, request));
+  if (request.mode === "navigate" && /^\/(phone|t)(\/|$)/.test(pathname)) event.respondWith(pageAt(request));
   else if (pathname in FILES) event.respondWith(find(pathname, request));
 });
 
@@ -40,9 +46,26 @@ async function forget() {
   await sw.clients.claim();
 }
 
+/** The page with what there is to say of its tag written into it, as the server does: as data, which no text in it can end. @param {Request} request */
+async function pageAt(request) {
+  const [tagId, mission] = here(new URL(request.url));
+  const [page, told] = await Promise.all([kept(PAGE), tagId && inTime(tell(tagId, mission))]);
+  if (!page || !told) return page ?? fetch(request);
+  const [before, after] = (await page.text()).split(TOLD);
+  const headers = new Headers(page.headers);
+  for (const name of ["Content-Encoding", "Content-Length", "ETag"]) headers.delete(name);
+  return new Response(before + TOLD + JSON.stringify(told).replaceAll("<", "\\u003c") + after, { headers });
+}
+
+/** A storage that hangs must not keep the page from opening. @template T @param {Promise<T>} coming @returns {Promise<T | null>} */
+const inTime = (coming) => Promise.race([coming.catch(() => null), new Promise((resolve) => setTimeout(() => resolve(null), LONGEST_MS))]);
+
+/** @param {string} address */
+const kept = (address) => caches.match(address, { cacheName: NAME });
+
 /** @param {string} address @param {Request} request */
 async function find(address, request) {
-  return (await caches.match(address, { cacheName: NAME })) ?? fetch(request);
+  return (await kept(address)) ?? fetch(request);
 }
 
 /** @param {ArrayBuffer} body */

@@ -1,5 +1,6 @@
 /** What the phone says, in one place. `say("key", {values})`; a language is one table (texts_en.js has all keys). */
 
+import { language } from "./language.js";
 import { DE } from "./texts_de.js";
 import { EN } from "./texts_en.js";
 
@@ -7,21 +8,8 @@ import { EN } from "./texts_en.js";
 /** @typedef {keyof typeof EN} Key */
 /** @typedef {Partial<Record<Key, Text>>} Table */
 
-const CHOSEN = "waymark.language";
 /** @type {Record<string, {name: string, texts: Table}>} */
 export const LANGUAGES = { en: { name: "English", texts: EN }, de: { name: "Deutsch", texts: DE } };
-
-/** @returns {string} the language that was chosen on this phone, else the first of its own that there is */
-export function language() {
-  const wanted = [localStorage.getItem(CHOSEN) ?? "", ...navigator.languages].map((name) => name.slice(0, 2));
-  return wanted.find((name) => name in LANGUAGES) ?? "en";
-}
-
-/** @param {string} name */
-export function speak(name) {
-  localStorage.setItem(CHOSEN, name);
-  document.documentElement.lang = name;
-}
 
 const UNSEEN = /[\u0000-\u001f\u007f-\u009f]+/g;
 const TURNS = /[\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069]/g; // text to be read from the other side, what follows it too

@@ -1,19 +1,32 @@
-/** What the server wrote into this page of the tag that it was opened at: words that need no second request. */
+/** What was written into this page of the tag that it was opened at, by the server or by the worker: words that need nothing else. */
 
-import { remembered } from "./reach.js";
-import { language } from "./texts.js";
+import { here } from "./address.js";
+import { language } from "./language.js";
 
-/** `as_of_s`: by the server's clock. @typedef {{language: string, as_of_s: number, where: import("./types.js").Where}} Told */
+/** @typedef {{title: string, text: string, warning: string}} Words */
+/** `as_of_s`: by the server's clock. @typedef {{language: string, as_of_s: number, words: Words, where: import("./types.js").Where}} Told */
+
+/** The mission of the tag before, as touch.js remembers it. */
+function lastMission() {
+  try {
+    return JSON.parse(localStorage.getItem("waymark.last") ?? "null")?.mission;
+  } catch {
+    return ""; // nothing can be read here
+  }
+}
 
 /**
- * @param {string} tagId
- * @returns {Told | null} null where the page came from this phone, was opened by somebody who may not know, speaks otherwise, or the
- *   server took another mission than the one this phone is in, and no link named it
+ * @returns {Told | null} null where there is nothing to say, or nothing for whoever asks, where it is said in another language, or of
+ *   another mission than the one this phone is in, and no link named it
  */
-export function toldOf(tagId) {
+function find() {
   const text = document.getElementById("told")?.textContent;
   /** @type {Told | null} */
-  const told = text ? JSON.parse(text) : null;
-  const ours = [remembered("waymark.last")?.mission || told?.where.mission_id, new URL(location.href).searchParams.get("mission")];
-  return told?.where.tag_id === tagId && told.language === language() && ours.includes(told.where.mission_id) ? told : null;
+  const found = text ? JSON.parse(text) : null;
+  const [tagId, mission] = here();
+  if (found?.where.tag_id !== tagId || found.language !== language()) return null;
+  const { mission_id } = found.where;
+  return [lastMission() || mission_id, mission].includes(mission_id) ? found : null;
 }
+
+export const told = find();

@@ -1,15 +1,17 @@
 /** A tag was read: answer from what the phone carries, at once; then ask for the newest. */
 
 import { begin, walkedFrom } from "./between.js";
+import { pocketOf } from "./carried.js";
 import { takeOrder } from "./evacuate.js";
+import { language } from "./language.js";
 import { add, onOutbox, waiting } from "./outbox.js";
 import { cameFrom, judged } from "./pace.js";
-import { isOver, keptOf, missionOf, missions, open, opened, refresh, refreshAll } from "./pockets.js";
+import { isOver, keptOf, missionOf, missions, opened, refresh, refreshAll } from "./pockets.js";
 import { reach, read, remember, remembered } from "./reach.js";
 import { Roads } from "./roads.js";
 import { sentBeyond } from "./sent.js";
 import { changed, missionId, state } from "./state.js";
-import { language, say } from "./texts.js";
+import { say } from "./texts.js";
 import { routeTo, whereIs } from "./where.js";
 
 /** @import {Pocket, PocketNote} from "./types.js" */
@@ -119,7 +121,7 @@ let wanted = null;
 export function answer() {
   const item = missionOf(state.tagId, wanted, lastTag()?.mission ?? "") ?? (state.tagId ? null : missions()[0]);
   if (!item) return;
-  const pocket = open(item);
+  const pocket = pocketOf(item);
   state.as_of_s = item.as_of_s;
   if (pocket !== state.pocket || ownNotes(pocket) !== own) {
     own = ownNotes(pocket);

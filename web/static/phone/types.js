@@ -13,7 +13,7 @@
 /** @typedef {{version: number, width: number, height: number, resolution_m: number, origin_m: [number, number], png: string}} Plan */
 /** Where the first robot started. @typedef {{x_m: number, y_m: number, tag_id: string | null, ends: End[]}} Base */
 /** The radio of the mission's nodes. @typedef {{power_at_1m_dbm: number, path_loss_exponent: number, distances_m: number[], sds_db: number[],
- *   fading_sd_db: number, reach_m: number, gain_sd_db: number, exponent_sd: number, wall_db: number, scale: number, offsets_m: Record<string, number>}} Radio */
+ *   fading_sd_db: number, reach_m: number, gain_sd_db: number, exponent_sd: number, wall_db: number}} Radio */
 /** @typedef {{ordered: boolean, by: string, since_unix_s: number, acknowledged: {name: string}[]}} Evacuation */
 /** @typedef {{mission_id: string, mission_name: string, state: string, created_unix_s: number, evacuation: Evacuation | null,
  *   radio: Radio, x_axis_deg: number | null, map: Plan | null, tags: PocketTag[], ways: PocketWay[], victims: PocketVictim[], notes: PocketNote[], base: Base | null,
@@ -25,8 +25,5 @@
 /** @typedef {{victim_id: string, status: string, distance_m: number, reachable: boolean}} NearVictim */
 /** @typedef {{mission_id: string, mission_name: string, tag_id: string, sd_m: number, state: TagState, notice: string, text: string,
  *   victims: NearVictim[]}} Where */
-
-/** What a page has begun to read: the storage, how to open it again, and the missions in it.
- *  @typedef {{open: () => Promise<IDBDatabase>, first: Promise<IDBDatabase>, pockets: Promise<any[]>}} Early */
 
 export {};

@@ -4,6 +4,7 @@ import { say } from "./texts.js";
 import { bearingFrom, compassPoint, inMetres, lastOf, legOf, lengthAlong, metres } from "./words.js";
 
 /** @import {Roads} from "./roads.js" */
+/** @import {Words} from "./told.js" */
 /** @import {End, NearVictim, Pocket, PocketTag, Route, Where} from "./types.js" */
 /** @typedef {import("./texts.js").Key} Key */
 
@@ -99,3 +100,12 @@ function textOf(roads, { tag_id: tag, place_kind: kind }, victims) {
 
 /** @param {number} n */
 const countOf = (n) => (n < 10 ? say(/** @type {Key} */ (`count_${n}`)) : String(n));
+
+/** A place as it is said at the top of the page. @param {Where} where @returns {Words} */
+export function wordsOf({ tag_id, text, sd_m, state, notice }) {
+  return {
+    title: say("tag", { tag: tag_id }),
+    text: sd_m > 1 ? `${text} ${say("place_unsure", { far: metres(sd_m) })}` : text,
+    warning: notice && say(/** @type {Key} */ (`tag_${state ?? "doubtful"}`)),
+  };
+}
