@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
+from itertools import groupby
 from typing import Any, TypeVar
+from unicodedata import category
 
 import numpy as np
 
@@ -17,6 +20,8 @@ VISITS = ".12"  # not, once, more often
 _NUMBERS = ("x_m", "y_m", "variance_x", "covariance_xy", "variance_y")
 T = TypeVar("T")
 _FIELDS = ("window", "maps", "victims", "notes", "passes", "visited", "phase", "reach", "visited_reach")
+_UNSEEN = re.compile("[\\x00-\\x1f\\x7f-\\x9f]+")
+_TURNS = re.compile("[\\u061c\\u200e\\u200f\\u202a-\\u202e\\u2066-\\u2069]")  # to be read from the other side
 _SAID_BESIDE = {"notes_let_go", "cell_m"}
 
 
@@ -99,6 +104,16 @@ def understand(value: object) -> TagMemory:
     )
 
 
+def plain(text: str) -> str:
+    """Return what others wrote so that it can neither turn round nor cover what stands beside it.
+
+    As ``plain`` of the phone's texts.js: in one line, and no more than two marks over a letter.
+    """
+    text = _TURNS.sub("", _UNSEEN.sub(" ", text))
+    marked = groupby(text, lambda sign: category(sign).startswith("M"))
+    return "".join("".join(run)[: 2 if are_marks else None] for are_marks, run in marked)
+
+
 def sentences(told: dict[str, Any]) -> list[str]:
     """Return what a described memory holds beside the ground, one sentence each."""
     said = [
@@ -106,7 +121,7 @@ def sentences(told: dict[str, Any]) -> list[str]:
         f"seen at minute {v['seen_min']}."
         for v in told["victims"]
     ]
-    said += [f"{n['author']} writes: {n['text']}" for n in told["notes"]]
+    said += [f"{plain(n['author'])} writes: {plain(n['text'])}" for n in told["notes"]]
     for p in told["passes"]:
         goal = p["goal_north_m"], p["goal_west_m"]
         went = f", last on its way to a place {_way(*goal)}" if any(goal) else ""

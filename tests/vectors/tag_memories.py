@@ -24,7 +24,16 @@ from robots.tags.sealed import close_memory, open_memory
 
 FILE = Path(__file__).with_suffix(".json")
 LINK, TAG, KEY = "https://usar.example/t/A4", "A4", b"mission"
-_WORDS = ("gas", "Treppe zerstört", "stairs <b>down</b>", "声", "﻿marked", "", "a\nb")
+_WORDS = (
+    "gas",
+    "Treppe zerstört",
+    "stairs <b>down</b>",
+    "声",
+    "﻿marked",
+    "",
+    "a\nb",
+    "\u202eturned a\u0301\u0302\u0303",
+)
 
 
 def drawn(rng: np.random.Generator, side: int) -> TagMemory:
