@@ -30,6 +30,7 @@ AT = f"/api/v1/missions/{MISSION}"
 SOON_MS = 60_000
 SOLVED_MS = 120_000  # of low priority, on a machine that has other things to do
 BATCHES, LATER = 60, 60
+INK = "[...document.querySelectorAll('.leaflet-ink-pane canvas')].map((canvas) => canvas.toDataURL())"
 
 
 @pytest.fixture(scope="module")
@@ -105,7 +106,7 @@ def test_the_best_map_takes_the_live_ones_place_and_gives_it_back(
             "width => document.querySelector('canvas.building')?.width === width", arg=made["map"]["width"]
         )
         expect(page.locator(".mark.robot")).to_have_count(0)
-        assert _ink(page) != before
+        page.wait_for_function(f"before => JSON.stringify({INK}) !== JSON.stringify(before)", arg=before)
         assert page.evaluate("document.documentElement.scrollWidth") <= width
 
         # the robot drives on: it is said how old this is, and solved again when asked
@@ -164,8 +165,6 @@ def _switch(page: Page) -> tuple[Any, Any]:
 
 def _ink(page: Page) -> list[str]:
     """What the canvases over the building hold."""
-    found: list[str] = page.evaluate(
-        "[...document.querySelectorAll('.leaflet-ink-pane canvas')].map(canvas => canvas.toDataURL())"
-    )
+    found: list[str] = page.evaluate(INK)
     assert found
     return found
