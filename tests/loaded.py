@@ -77,7 +77,7 @@ class Loaded:
 def lend(control_fd: int) -> None:
     """Load everything, then fork a ``forkserver.main`` for every socket that comes, until no more can."""
     import robots.agent
-    import robots.team  # noqa: F401
+    import robots.team  # noqa: F401 - loaded for those that are forked from here
 
     forkserver.warm_up()
     with socket.socket(fileno=control_fd) as control:
@@ -115,8 +115,19 @@ def _reap() -> None:
         pass
 
 
+def _has_pidfd() -> bool:
+    try:
+        os.close(os.pidfd_open(os.getpid()))
+    except (AttributeError, OSError):
+        return False
+    return True
+
+
 def servers_fork_from_one() -> Iterator[None]:
-    """Have all servers of this process fork from one that is loaded."""
+    """Have all servers of this process fork from one that is loaded, where there are handles of processes."""
+    if not _has_pidfd():
+        yield  # macOS and older kernels: each server loads its own
+        return
     loaded = Loaded()
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(process, "begin", loaded.begin)

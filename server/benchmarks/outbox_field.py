@@ -12,6 +12,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
+from db.people_records import Role
 from db.store import Store
 from robots.client import RobotClient
 from robots.tags.chip import CHIPS, read_chip
@@ -43,8 +44,9 @@ async def _links(data: Path) -> list[str]:
     store = await Store.open(Settings.model_validate({"data_dir": data}).database_target)
     try:
         accounts = Accounts(store)
-        roles = ("commander", *["responder"] * len(PEOPLE))
-        return [(await accounts.make_link(role, "bench"))[0] for role in roles]  # type: ignore[arg-type]
+        people: list[Role] = ["responder"] * len(PEOPLE)
+        roles: list[Role] = ["commander", *people]
+        return [(await accounts.make_link(role, "bench"))[0] for role in roles]
     finally:
         await store.close()
 
