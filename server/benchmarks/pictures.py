@@ -86,7 +86,7 @@ PICTURES = (
     Picture("console", (1920, 1080), act=_wait_for_scene),
     Picture("console-daylight", (1366, 768), "daylight"),
     Picture("console-past", (1366, 768), act=_back_in_time),
-    Picture("console-wall", (2560, 1440), look="wall"),
+    Picture("console-wall", (2560, 1440), look="wall", act=_wait_for_scene),
     Picture("console-phone", (390, 844)),
     Picture("console-3d", (1920, 1080), "daylight", act=_in_3d),
 )
